@@ -1,0 +1,5 @@
+"""`python -m rbfem`."""
+
+from rbfem.cli import main
+
+main()

@@ -1,0 +1,26 @@
+"""`rbfem plan`: what would be computed and why."""
+
+from pathlib import Path
+
+import click
+
+
+@click.command("plan")
+@click.argument("case", type=click.Path(path_type=Path))
+@click.option("--set", "overrides", multiple=True, metavar="KEY=VALUE", help="Override a value; bodies by their name.")
+@click.option("--json", "as_json", is_flag=True, help="The whole plan as JSON.")
+@click.option("--beyond-limit", is_flag=True, help="Accept a step beyond the stability limit.")
+def command(case: Path, overrides: tuple[str, ...], as_json: bool, beyond_limit: bool) -> None:
+    """Say what `rbfem run CASE` would compute, why, at what error and cost. Runs nothing."""
+    import json
+
+    from rbfem.cli.tables import plan_lines
+    from rbfem.planning.planner import plan
+    from rbfem.scene.builder import load
+
+    made = plan(load(case, overrides), beyond_limit)
+    if as_json:
+        click.echo(json.dumps(made.to_dict(), indent=2, ensure_ascii=False))
+        return
+    for line in plan_lines(made):
+        click.echo(line)

@@ -1,0 +1,57 @@
+"""How far a run is: a bar with the time left on a terminal, a plain line now and then otherwise."""
+
+import sys
+import time
+from types import TracebackType
+from typing import Self
+
+import click
+
+from rbfem.compute.loops import is_cached
+from rbfem.planning.plan import Plan
+from rbfem.scene.scene import Scene
+from rbfem.simulation.frame import Frame
+
+SECONDS_BETWEEN_LINES = 10.0
+
+
+class Progress:
+    """A context manager; `show(frame)` after every frame."""
+
+    def __init__(self, scene: Scene, plan: Plan):
+        self._scene, self._plan = scene, plan
+        self._is_terminal = sys.stderr.isatty()
+        self._told = time.monotonic()
+
+    def __enter__(self) -> Self:
+        if self._plan.backend.value != "python" and not is_cached():
+            click.echo("  compiling the kernels, the first time only …", err=True)
+        if self._is_terminal:
+            from rich.console import Console
+            from rich.progress import BarColumn, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+            from rich.progress import Progress as Bar
+
+            columns = (
+                TextColumn("  {task.description}"),
+                BarColumn(),
+                TextColumn("{task.completed:.4g} of {task.total:.4g} s"),
+                TimeElapsedColumn(),
+                TimeRemainingColumn(),
+            )
+            self._bar = Bar(*columns, console=Console(stderr=True), transient=True)
+            self._task = self._bar.add_task(self._scene.name, total=self._scene.end_time)
+            self._bar.start()
+        return self
+
+    def show(self, frame: Frame) -> None:
+        """Note that a frame is written."""
+        if self._is_terminal:
+            self._bar.update(self._task, completed=frame.time)
+        elif time.monotonic() - self._told > SECONDS_BETWEEN_LINES:
+            self._told = time.monotonic()
+            share = 100.0 * frame.time / self._scene.end_time
+            click.echo(f"  t = {frame.time:.6g} s of {self._scene.end_time:.6g} s ({share:.0f} %)", err=True)
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None):
+        if self._is_terminal:
+            self._bar.stop()

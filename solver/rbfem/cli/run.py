@@ -1,0 +1,41 @@
+"""`rbfem run`: the main job."""
+
+from pathlib import Path
+
+import click
+
+
+@click.command("run")
+@click.argument("case", type=click.Path(path_type=Path))
+@click.option("-o", "--output", "directory", metavar="DIR", type=click.Path(path_type=Path), help="Default: results/NAME.")
+@click.option("--set", "overrides", multiple=True, metavar="KEY=VALUE", help="Override a value; bodies by their name.")
+@click.option("--beyond-limit", is_flag=True, help="Go on with a step beyond the stability limit.")
+@click.pass_context
+def command(
+    context: click.Context, case: Path, directory: Path | None, overrides: tuple[str, ...], beyond_limit: bool
+) -> None:
+    """Move the bodies of CASE, a case.yaml or its folder; write a series for ParaView, a table and a report."""
+    from rbfem.cli.progress import Progress
+    from rbfem.results.record import record
+    from rbfem.results.report import Clock
+
+    clock = Clock()
+    with clock.phase("read"):
+        from rbfem.scene.builder import load
+
+        scene = load(case, overrides)
+    with clock.phase("plan"):
+        from rbfem.planning.planner import plan
+
+        made = plan(scene, beyond_limit)
+    directory = directory or Path("results") / scene.name
+    from rbfem.cli.tables import plan_lines, report_lines
+
+    for line in plan_lines(made):
+        click.echo(line)
+    with Progress(scene, made) as progress:
+        report = record(scene, made, directory, clock, progress.show)
+    for line in report_lines(report, directory):
+        click.echo(line)
+    missed = [expect for expect in report["expect"] if not expect["pass"]]
+    context.exit(1 if missed else 0)

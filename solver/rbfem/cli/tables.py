@@ -1,0 +1,61 @@
+"""Plans and reports as lines for a person."""
+
+import textwrap
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from rbfem.planning.plan import Choice, Plan
+
+LABEL, WIDTH = 12, 110
+
+
+def plan_lines(plan: Plan) -> Iterator[str]:
+    """A plan, one choice a paragraph."""
+    yield f"Plan of {plan.case}: {plan.n_bodies} bod{'y' if plan.n_bodies == 1 else 'ies'}"
+    for choice in plan.models:
+        names = ", ".join(choice.names) + (", …" if choice.count > len(choice.names) else "")
+        yield from paragraph(choice.model, f"{choice.count} ({names}): {choice.reason}")
+    for label in ("contact", "method", "step", "step_limit", "backend", "output"):
+        yield from paragraph(label.replace("_", " "), _in_words(getattr(plan, label)))
+    yield from paragraph("check", plan.verify.reason)
+    yield from paragraph("left out", "; ".join(plan.left_out))
+
+
+def report_lines(report: dict[str, Any], directory: Path) -> Iterator[str]:
+    """The end of a run: error, balance, cost, expectations, warnings, and where to look."""
+    error, cost = report["error"], report["cost"]
+    verdict = "within" if error["estimated"] <= error["asked"] else "ABOVE"
+    yield from paragraph(
+        "error", f"estimated {error['estimated']:.2g}, {verdict} the {error['asked']:.2g} asked for; {error['how']}"
+    )
+    drift = ", ".join(
+        f"{name.replace('_', ' ')} {one['largest_drift']:.2g} {one['unit']}" for name, one in report["invariants"].items()
+    )
+    yield from paragraph("drift", drift)
+    seconds = ", ".join(f"{phase} {time:.2g} s" for phase, time in cost["wall_seconds"].items())
+    yield from paragraph("cost", f"{seconds}; {cost['steps']} steps, {cost['body_steps_per_second']:.3g} body-steps/s")
+    for expect in report["expect"]:
+        sign = "ok" if expect["pass"] else "MISSED"
+        yield from paragraph(sign, f"{expect['quantity']} at {expect['at']:g} s: off by {expect['error']:.3g}, "
+                             f"tolerance {expect['tolerance']:g} ({expect['source']})")
+    for warning in report["warnings"]:
+        yield from paragraph("warning", warning)
+    yield from paragraph("look", f"paraview {directory / report['case']}.pvd   or   rbfem view {directory}")
+
+
+def paragraph(label: str, text: str) -> Iterator[str]:
+    """A label in a column of its own and the text beside it, wrapped.
+
+    >>> list(paragraph("step", "short"))
+    ['  step        short']
+    """
+    lines = textwrap.wrap(text, WIDTH - LABEL, break_long_words=False, break_on_hyphens=False) or [""]
+    for index, line in enumerate(lines):
+        yield f"  {label if index == 0 else '':<{LABEL}}{line}"
+
+
+def _in_words(choice: Choice) -> str:
+    value = f"{choice.value:.6g}" if isinstance(choice.value, float) else str(choice.value)
+    rest = "; ".join(part for part in (choice.error, choice.cost) if part)
+    return f"{value}: {choice.reason}" + (f" [{rest}]" if rest else "")

@@ -1,0 +1,79 @@
+"""What the motion of bodies is computed from, as arrays of the shape the loops read.
+
+Each body has a *reference point*: its centre of mass, or the pivot that holds it. Its axes are the principal axes of
+inertia about that point, so the tensor is three moments. Everything a case says is brought to this form once, by scene.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+# Motion models, from nothing to everything. A body gets the smallest one that its scene needs.
+FIXED, TRANSLATING, SPHERICAL, RIGID = 0, 1, 2, 3
+MODEL_NAMES = ("fixed", "translating", "spherical", "rigid")
+
+# Columns of a stacked state row: position and velocity of the reference point, attitude, and the rotational
+# variable of the method: angular momentum in body axes, or angular velocity in world axes.
+POSITION, QUATERNION, VELOCITY, SPIN, STATE_WIDTH = 0, 3, 7, 10, 13
+
+# Columns of a ledger row: work of loads without potential; impulse and angular impulse of external loads and gravity.
+WORK, IMPULSE, ANGULAR_IMPULSE, LEDGER_WIDTH = 0, 1, 4, 7
+
+
+class Bodies(NamedTuple):
+    """model (n,) int64; mass (n,) kg; inverse_mass (n,) 1/kg, zero where the reference point cannot move;
+    inverse_moments (n, 3) 1/(kg m^2), of the principal moments about the reference point; arm (n, 3) m, reference point
+    to centre of mass in principal axes; first_load (n + 1,) rows of the load table that act on each body; is_pushed
+    (n,) int64, whether anything but gravity at its centre of mass acts on it: only then it has a wrench and a ledger."""
+
+    model: NDArray[np.int64]
+    mass: NDArray[np.float64]
+    inverse_mass: NDArray[np.float64]
+    inverse_moments: NDArray[np.float64]
+    arm: NDArray[np.float64]
+    first_load: NDArray[np.int64]
+    is_pushed: NDArray[np.int64]
+
+
+class Islands(NamedTuple):
+    """Bodies that a spring joins must step together. member: moving bodies, island by island; first: (k + 1,)."""
+
+    member: NDArray[np.int64]
+    first: NDArray[np.int64]
+
+
+class Loads(NamedTuple):
+    """The load table, sorted by body: see `rbfem.motion.loads` for the kinds and what `values` hold.
+
+    kind (k,) int64; other (k,) int64, the body at a spring's far end or -1; is_external (k,) int64, whether its impulse
+    counts as coming from outside; values (k, 9); ramp (k,) int64, a row of the ramps or -1; ramp_first (r + 1,);
+    ramp_time, ramp_factor: breakpoints of all ramps, one after the other.
+    """
+
+    kind: NDArray[np.int64]
+    other: NDArray[np.int64]
+    is_external: NDArray[np.int64]
+    values: NDArray[np.float64]
+    ramp: NDArray[np.int64]
+    ramp_first: NDArray[np.int64]
+    ramp_time: NDArray[np.float64]
+    ramp_factor: NDArray[np.float64]
+
+
+class Scratch(NamedTuple):
+    """Working memory of a step: stage, rate, weighted sum of rates and wrench of each body (n, 13), its angular velocity
+    in world axes (n, 3), rate and weighted sum of its ledger (n, 7)."""
+
+    stage: NDArray[np.float64]
+    rate: NDArray[np.float64]
+    total: NDArray[np.float64]
+    wrench: NDArray[np.float64]
+    omega: NDArray[np.float64]
+    flow: NDArray[np.float64]
+    flow_total: NDArray[np.float64]
+
+
+def scratch_for(n_bodies: int) -> Scratch:
+    """Working memory for that many bodies."""
+    return Scratch(*[np.zeros((n_bodies, width)) for width in (STATE_WIDTH,) * 4 + (3,) + (LEDGER_WIDTH,) * 2])

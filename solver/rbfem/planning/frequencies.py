@@ -1,0 +1,179 @@
+"""The fastest swing, decay and spin of a scene, from which the longest stable step follows."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rbfem.motion import loads as kinds
+from rbfem.motion import quaternion
+from rbfem.motion.model import FIXED, TRANSLATING, Islands
+from rbfem.scene.scene import Scene
+
+Array = NDArray[np.float64]
+
+DENSE_BODIES = 200  # above, the largest eigenvalue of an island comes from Lanczos instead of a dense solver
+
+
+@dataclass(frozen=True)
+class Frequencies:
+    """oscillation: ω_max of the springs and hanging weights, rad/s; decay: largest c/2m of the dampers and drags, 1/s;
+    spin: largest rate of rotation at the start and under constant torques until the end, rad/s."""
+
+    oscillation: float
+    decay: float
+    spin: float
+
+    @property
+    def step_limit(self) -> float:
+        """Longest stable step: 2/(√(ω² + β²) + β), which is 2/ω_max without damping; and 2/spin. Infinite if nothing moves
+        so. With ζ = β/ω the first is 2 (√(1 + ζ²) - ζ)/ω, the limit of an explicit step with a dashpot."""
+        damped = np.hypot(self.oscillation, self.decay) + self.decay
+        fastest = max(float(damped), self.spin)
+        return 2.0 / fastest if fastest > 0.0 else np.inf
+
+
+def frequencies(scene: Scene, models: NDArray[np.int64], islands: Islands) -> Frequencies:
+    """Frequencies of the scene as it stands at the start.
+
+    Each spring counts with its stiffness in every direction and with its lever arms, ω² = k (1/m + (r×n)·I⁻¹(r×n)); a
+    weight or force of size f on an arm a counts as the rotational stiffness f a.
+    """
+    scale = _inverse_root_mass(scene, models)
+    found: dict[bytes, tuple[float, float]] = {}
+    swing = decay = 0.0
+    for members in _islands_with_loads(scene, islands):
+        key = _fingerprint(scene, members, models)
+        if key not in found:
+            found[key] = _fastest(scene, members, scale)
+        swing, decay = max(swing, found[key][0]), max(decay, found[key][1])
+    return Frequencies(float(np.sqrt(max(swing, 0.0))), 0.5 * max(decay, 0.0), _fastest_spin(scene, models))
+
+
+def _inverse_root_mass(scene: Scene, models: NDArray[np.int64]) -> Array:
+    """(n, 6) square roots of the inverse masses and inverse principal moments; zero for what a model leaves out."""
+    mass = np.repeat(scene.mass[:, None], 3, axis=1)
+    scale = 1.0 / np.sqrt(np.hstack([mass, scene.reference.moments]))
+    scale[scene.is_held, :3] = 0.0
+    scale[models == FIXED] = 0.0
+    scale[models == TRANSLATING, 3:] = 0.0
+    return scale
+
+
+def _islands_with_loads(scene: Scene, islands: Islands) -> Iterator[NDArray[np.int64]]:
+    has_load = (np.diff(scene.first_load) > 0) | scene.is_held
+    for first, last in zip(islands.first[:-1], islands.first[1:], strict=True):
+        members = islands.member[first:last]
+        if has_load[members].any():
+            yield members
+
+
+def _fingerprint(scene: Scene, members: NDArray[np.int64], models: NDArray[np.int64]) -> bytes:
+    """Bodies alone that share part, model and loads share frequencies: copies are computed once."""
+    if len(members) > 1:
+        return members.tobytes()
+    body = int(members[0])
+    rows = slice(scene.first_load[body], scene.first_load[body + 1])
+    values = scene.loads.values[rows].copy()
+    values[scene.loads.kind[rows] == kinds.SPRING, 3:6] = 0.0
+    size = bytes([int(models[body])]) + scene.part_of[body].tobytes() + scene.reference.offset[body].tobytes()
+    return size + scene.loads.kind[rows].tobytes() + values.tobytes()
+
+
+def _fastest(scene: Scene, members: NDArray[np.int64], scale: Array) -> tuple[float, float]:
+    """Largest eigenvalues of M^-½ K M^-½ and M^-½ C M^-½ of an island."""
+    place = {int(body): index for index, body in enumerate(members)}
+    columns, stiffness, damping = [], [], []
+    for body in place:
+        for row in range(scene.first_load[body], scene.first_load[body + 1]):
+            for block, k, c in _terms(scene, row, body, place, scale):
+                columns.append(block)
+                stiffness.append(k)
+                damping.append(c)
+        if scene.is_held[body]:
+            weight = scene.mass[body] * np.linalg.norm(scene.gravity)
+            columns.append({place[body]: np.diag(scale[body])[3:]})
+            stiffness.append(weight * float(np.linalg.norm(scene.reference.arm[body])))
+            damping.append(0.0)
+    return _largest(columns, stiffness, len(members)), _largest(columns, damping, len(members))
+
+
+def _terms(scene: Scene, row: int, body: int, place: dict[int, int], scale: Array) -> Iterator[tuple[dict, float, float]]:
+    """What a load adds: rows (3, 6) by body, already scaled by M^-½, with a stiffness and a damping."""
+    kind, values = scene.loads.kind[row], scene.loads.values[row]
+    if kind == kinds.SPRING:
+        other = int(scene.loads.other[row])
+        block = {place[body]: _lever_rows(scene, body, values[0:3], scale)}
+        share = 1.0
+        if other in place:
+            block[place[other]] = -_lever_rows(scene, other, values[3:6], scale)
+            share = 0.5  # the far body's row of the table brings the other half
+        yield block, share * values[6], share * values[7]
+    elif kind == kinds.FORCE:
+        largest = _largest_factor(scene, row)
+        yield {place[body]: np.diag(scale[body])[3:]}, largest * float(_length(values[0:3]) * _length(values[3:6])), 0.0
+    elif kind == kinds.DRAG:
+        yield {place[body]: _lever_rows(scene, body, scene.reference.arm[body], scale)}, 0.0, float(values[0])
+        yield {place[body]: np.diag(scale[body])[3:]}, 0.0, float(values[1])
+
+
+def _lever_rows(scene: Scene, body: int, lever: Array, scale: Array) -> Array:
+    """M^-½ and then the velocity of a lever a: v + R (ω × a), with ω in principal axes: (3, 6)."""
+    to_world = quaternion.to_matrix(quaternion.product(scene.quaternion[body], scene.reference.quaternion[body]))
+    turning = to_world @ np.cross(np.eye(3), lever).T
+    return np.hstack([np.eye(3), turning]) * scale[body]
+
+
+def _largest(columns: list[dict[int, Array]], weights: list[float], n_bodies: int) -> float:
+    """Largest eigenvalue of Σ w BᵀB with the blocks B (3, 6) of each term."""
+    if n_bodies <= DENSE_BODIES:
+        matrix = np.zeros((6 * n_bodies, 6 * n_bodies))
+        for block, weight in zip(columns, weights, strict=True):
+            for i, left in block.items():
+                for j, right in block.items():
+                    matrix[6 * i : 6 * i + 6, 6 * j : 6 * j + 6] += weight * left.T @ right
+        return float(np.linalg.eigvalsh(matrix)[-1])
+    return _largest_sparse(columns, weights, n_bodies)
+
+
+def _largest_sparse(columns: list[dict[int, Array]], weights: list[float], n_bodies: int) -> float:
+    from scipy.sparse import coo_array
+    from scipy.sparse.linalg import eigsh
+
+    if not any(weights):
+        return 0.0
+    entries = [
+        (3 * term + row, 6 * body + column, np.sqrt(weight) * block[row, column])
+        for term, (blocks, weight) in enumerate(zip(columns, weights, strict=True))
+        for body, block in blocks.items()
+        for row in range(3)
+        for column in range(6)
+    ]
+    rows, cols, values = zip(*entries, strict=True)
+    root = coo_array((values, (rows, cols)), shape=(3 * len(columns), 6 * n_bodies)).tocsr()
+    return float(eigsh(root.T @ root, k=1, which="LA", return_eigenvectors=False, tol=1e-4)[0]) * (1.0 + 1e-4)
+
+
+def _fastest_spin(scene: Scene, models: NDArray[np.int64]) -> float:
+    turns = models > TRANSLATING
+    spin = np.where(turns, np.linalg.norm(scene.angular_velocity, axis=1), 0.0)
+    owners = np.repeat(np.arange(scene.n_bodies), np.diff(scene.first_load))
+    for row, (body, kind) in enumerate(zip(owners, scene.loads.kind, strict=True)):
+        if kind in (kinds.COUPLE, kinds.WRENCH) and turns[body]:
+            torque = scene.loads.values[row, 0:3] if kind == kinds.COUPLE else scene.loads.values[row, 3:6]
+            reach = _largest_factor(scene, row) * _length(torque) * scene.end_time
+            spin[body] += reach / scene.reference.moments[body, 0]
+    return float(spin.max(initial=0.0))
+
+
+def _largest_factor(scene: Scene, row: int) -> float:
+    ramp = int(scene.loads.ramp[row])
+    if ramp < 0:
+        return 1.0
+    span = slice(scene.loads.ramp_first[ramp], scene.loads.ramp_first[ramp + 1])
+    return float(np.abs(scene.loads.ramp_factor[span]).max())
+
+
+def _length(vector: Array) -> float:
+    return float(np.linalg.norm(vector))

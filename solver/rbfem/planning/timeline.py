@@ -1,0 +1,62 @@
+"""When a run stops to look: at outputs, at breakpoints of ramps and where something is expected."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rbfem.scene.scene import Scene
+
+Array = NDArray[np.float64]
+
+NEAR = 1e-9  # times this share of an output interval apart are one
+
+
+@dataclass(frozen=True)
+class Stop:
+    """A time that a step ends at, and whether a frame is written there."""
+
+    time: float
+    is_output: bool
+
+
+def output_times(scene: Scene) -> Array:
+    """0, then every output interval, and the end."""
+    count = int(np.floor(scene.end_time / scene.output_interval + NEAR))
+    times = scene.output_interval * np.arange(count + 1)
+    if scene.end_time - times[-1] > NEAR * scene.output_interval:
+        return np.append(times, scene.end_time)
+    times[-1] = scene.end_time if count else 0.0
+    return times
+
+
+def n_frames(scene: Scene) -> int:
+    """Frames of the series, the one at time zero included."""
+    return len(output_times(scene))
+
+
+def stops(scene: Scene) -> list[Stop]:
+    """Every time after zero at which a step must end, ascending."""
+    outputs = output_times(scene)[1:]
+    extra = np.concatenate([scene.loads.ramp_time, [expect.time for expect in scene.expectations]])
+    extra = extra[(extra > 0.0) & (extra < scene.end_time)]
+    nearest = np.abs(extra[:, None] - outputs[np.searchsorted(outputs, extra).clip(0, len(outputs) - 1)][:, None])
+    before = np.abs(extra[:, None] - outputs[(np.searchsorted(outputs, extra) - 1).clip(0)][:, None])
+    new = np.unique(extra[(np.minimum(nearest, before) > NEAR * scene.output_interval).ravel()])
+    every = [Stop(float(time), True) for time in outputs] + [Stop(float(time), False) for time in new]
+    return sorted(every, key=lambda stop: stop.time)
+
+
+def steps_between(start: float, end: float, step: float) -> int:
+    """Equal steps, no longer than `step`, that fill a span; an even number, for the companion run at twice the step.
+
+    >>> steps_between(0.0, 1.0, 0.3), steps_between(0.0, 1.0, 0.25), steps_between(0.0, 1.0, 9.0)
+    (4, 4, 2)
+    """
+    return 2 * max(1, int(np.ceil((end - start) / (2.0 * step) - NEAR)))
+
+
+def total_steps(scene: Scene, step: float) -> int:
+    """Steps of the whole run."""
+    times = [0.0, *(stop.time for stop in stops(scene))]
+    return int(sum(steps_between(a, b, step) for a, b in zip(times[:-1], times[1:], strict=True)))

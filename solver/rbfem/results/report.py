@@ -1,0 +1,133 @@
+"""report.json: what was modelled, at what error and cost, and what came out."""
+
+import json
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from rbfem import __version__
+from rbfem.results.whole_file import write_text
+from rbfem.simulation.expectations import ExpectationResult
+from rbfem.simulation.frame import Balance, Frame
+from rbfem.simulation.run import Run
+
+UNITS = {"energy": "J", "momentum": "kg m/s", "angular_momentum": "kg m^2/s"}
+
+
+class Clock:
+    """Wall seconds by phase."""
+
+    def __init__(self) -> None:
+        self.seconds: dict[str, float] = {}
+
+    @contextmanager
+    def phase(self, name: str) -> Iterator[None]:
+        """Add the time of the block to a phase."""
+        began = time.perf_counter()
+        try:
+            yield
+        finally:
+            self.seconds[name] = self.seconds.get(name, 0.0) + time.perf_counter() - began
+
+
+def make_report(run: Run, clock: Clock) -> dict[str, Any]:
+    """The report of a run that has at least its first frame."""
+    assert run.first is not None and run.last is not None
+    scene = run.scene
+    return {
+        "rbfem": __version__,
+        "case": scene.name,
+        "title": scene.title,
+        "plan": run.plan.to_dict(),
+        "error": _error(run),
+        "cost": _cost(run, clock),
+        "invariants": _invariants(run, run.first.balance, run.last.balance),
+        "final": _final(run, run.last),
+        "expect": [_expectation(result) for result in run.expectations],
+        "warnings": [*run.warnings, *_mesh_warnings(run)],
+    }
+
+
+def write_report(report: dict[str, Any], directory: Path) -> None:
+    """report.json, whole or not at all. Raises RunError."""
+    write_text(directory / "report.json", json.dumps(report, indent=2, ensure_ascii=False, allow_nan=False) + "\n")
+
+
+def _error(run: Run) -> dict[str, Any]:
+    motion = run.error
+    how = f"Richardson: the largest difference from a companion run at twice the step, over 2^{motion.order} - 1"
+    parts = {
+        "motion": {
+            "estimated": motion.estimated,
+            "position_difference": motion.position,
+            "attitude_difference": motion.attitude,
+            "how": f"{how}; position as a share of the bounding radius, attitude in rad",
+        },
+        "mesh": {
+            "estimated": None,
+            "rounding": {part.name: part.inertia_error for part in run.scene.parts},
+            "how": "rounding of the inertia tensor is predicted; the distance from mesh to part is not known from one "
+            "mesh: `rbfem inertia --second` measures it",
+        },
+        "contact": {"estimated": None, "how": "not modelled"},
+    }
+    return {"asked": run.scene.accuracy, "estimated": motion.estimated, "how": how, "parts": parts}
+
+
+def _cost(run: Run, clock: Clock) -> dict[str, Any]:
+    rate = run.cost.body_steps / run.cost.wall_seconds if run.cost.wall_seconds else 0.0
+    return {
+        "wall_seconds": dict(clock.seconds),
+        "steps": run.cost.steps,
+        "force_evaluations": run.cost.evaluations,
+        "body_steps_per_second": rate,
+    }
+
+
+def _invariants(run: Run, first: Balance, last: Balance) -> dict[str, Any]:
+    brought = {"energy": last.work, "momentum": last.impulse, "angular_momentum": last.angular_impulse}
+    return {
+        name: {
+            "initial": _plain(getattr(first, name)),
+            "final": _plain(getattr(last, name)),
+            "work_done" if name == "energy" else "impulse": _plain(brought[name]),
+            "largest_drift": run.largest_drift[name],
+            "unit": unit,
+        }
+        for name, unit in UNITS.items()
+    }
+
+
+def _final(run: Run, frame: Frame) -> dict[str, Any]:
+    keys = ("position", "quaternion", "velocity", "angular_velocity")
+    bodies = {
+        name: {key: getattr(frame, key)[body].tolist() for key in keys} for body, name in enumerate(run.scene.names)
+    }
+    return {"time": frame.time, "bodies": bodies}
+
+
+def _expectation(result: ExpectationResult) -> dict[str, Any]:
+    expectation = result.expectation
+    return {
+        "quantity": expectation.quantity,
+        "at": expectation.time,
+        "value": _plain(result.found),
+        "expected": _plain(expectation.value),
+        "error": result.error,
+        "tolerance": expectation.tolerance,
+        "pass": result.passed,
+        "source": expectation.source,
+    }
+
+
+def _mesh_warnings(run: Run) -> list[str]:
+    meshes = [part.mesh for part in run.scene.parts if part.mesh is not None]
+    return [f"{mesh.source}: {said}" for mesh in meshes for said in (*mesh.repairs, *mesh.warnings)]
+
+
+def _plain(value: Any) -> Any:
+    return np.asarray(value).tolist()
