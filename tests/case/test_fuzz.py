@@ -1,6 +1,8 @@
 """Whatever the file holds: a Case or an InputError, and soon."""
 
+import json
 import tempfile
+from copy import deepcopy
 from pathlib import Path
 
 import pytest
@@ -14,7 +16,7 @@ from rbfem.case.schema import Case, json_schema
 from rbfem.errors import InputError
 
 # Reading takes milliseconds; the deadline only has to tell a slow machine from a hang.
-fuzzed = settings(max_examples=150, deadline=5000, suppress_health_check=[HealthCheck.too_slow])
+fuzzed = settings(max_examples=60, deadline=5000, suppress_health_check=[HealthCheck.too_slow])
 
 KEYS = sorted({key for section in [json_schema(), *json_schema()["$defs"].values()] for key in section["properties"]})
 WORDS = ["nut", "wall", "steel", "by-group", "auto", "world", "random", "bodies.nut.mass", "total.energy", "<mesh>",
@@ -49,11 +51,8 @@ def outcome(data, overrides=()):
 
 
 def written(tree):
-    from io import StringIO
-
-    stream = StringIO()
-    YAML(typ="safe", pure=True).dump(tree, stream)
-    return stream.getvalue().encode("utf-8", "replace")
+    """JSON, which is YAML in flow style."""
+    return json.dumps(tree).encode()
 
 
 def paths(tree, path=()):
@@ -63,11 +62,14 @@ def paths(tree, path=()):
         yield from paths(value, (*path, key))
 
 
+TREE = YAML(typ="safe", pure=True).load(EXAMPLE)
+
+
 def example_tree():
-    return YAML(typ="safe", pure=True).load(EXAMPLE)
+    return deepcopy(TREE)
 
 
-PATHS = [path for path in paths(example_tree()) if path]
+PATHS = [path for path in paths(TREE) if path]
 
 
 def test_the_example_itself_is_a_case():
@@ -146,7 +148,7 @@ def test_an_override_of_a_key_of_the_case(path, value):
     parts = [str(part) for part in path]
     if len(path) > 1 and path[0] == "bodies":
         parts[1] = example_tree()["bodies"][path[1]]["name"]
-    text = written(value).decode().removesuffix("...\n")
+    text = written(value).decode()
     outcome(EXAMPLE.encode(), [".".join(parts) + "=" + text])
 
 

@@ -47,7 +47,7 @@ def test_neighbours_cut_their_common_face_alike(seed):
 
 def stacked_cells():
     """Two cubes, on the upper one a wedge like a roof, beside the lower one a pyramid."""
-    points = np.vstack([CUBE, CUBE[4:] + [0, 0, 1], [[0, 0.5, 3], [1, 0.5, 3]], [[2.0, 0.5, 0.5]]])
+    points = np.vstack([CUBE, CUBE[4:] + np.array([0, 0, 1]), [[0, 0.5, 3], [1, 0.5, 3]], [[2.0, 0.5, 0.5]]])
     hexahedra = np.array([[0, 1, 2, 3, 4, 5, 6, 7], [4, 5, 6, 7, 8, 9, 10, 11]])
     wedges = np.array([[8, 11, 12, 9, 10, 13]])
     pyramids = np.array([[1, 2, 6, 5, 14]])

@@ -7,7 +7,9 @@ from rbfem.mesh.check import summarize
 from rbfem.mesh.read import read_mesh
 
 
-@pytest.mark.parametrize("ending", ["vtu", "vtk", "xdmf", "inp", "med", "mesh", "msh", "su2", "h5m", "cgns", "mdpa", "vol"])
+@pytest.mark.parametrize(
+    "ending", ["vtu", "vtk", "xdmf", "inp", "med", "mesh", "msh", "su2", "h5m", "cgns", "mdpa", "vol"]
+)
 def test_what_meshio_writes_comes_back_with_its_volume(write, corner_tet, ending):
     mesh = read_mesh(write(*corner_tet, name=f"part.{ending}"))
     assert summarize(mesh).volume == pytest.approx(1 / 6, rel=1e-15)

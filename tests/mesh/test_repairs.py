@@ -61,7 +61,9 @@ def test_the_second_of_two_equal_tets_is_dropped(write):
 
 def test_nodes_at_the_same_place_are_merged(write):
     """Exactly there, and 1e-13 of the box away; 1e-9 away is another node."""
-    points = np.vstack([SQUARES, SQUARES[1:4] + [[0, 0, 0], [1e-13, 0, 0], [0, 0, 0]]])
+    copies = SQUARES[1:4].copy()
+    copies[1, 0] = 1e-13
+    points = np.vstack([SQUARES, copies])
     tets = np.array([[0, 1, 2, 3], [5, 6, 7, 4]])
     mesh = read_mesh(write(points, [("tetra", tets)]))
     assert mesh.repairs == ("3 nodes merged with another at the same place", "3 nodes that no tet has dropped")

@@ -1,14 +1,16 @@
 """What is written is what was computed, wherever the run ends."""
 
+import ast
 import dataclasses
 import re
 import shutil
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import block_part, corner_part, make_frame, make_scene
+from toy_scene import block_part, corner_part, make_frame, make_scene
 from vtkmodules.util.numpy_support import vtk_to_numpy
 
 from rbfem.errors import InputError
@@ -150,11 +152,16 @@ def test_the_bodies_carry_their_state(scene, tmp_path):
 
 
 def test_an_interrupted_run_keeps_its_frames_and_passes_the_interrupt_on(scene, tmp_path):
-    with pytest.raises(KeyboardInterrupt), SeriesWriter(scene, tmp_path) as series:
+    with pytest.raises(KeyboardInterrupt):
+        write_until_interrupted(scene, tmp_path)
+    assert len(find_series(tmp_path).times) == 5
+
+
+def write_until_interrupted(scene, directory):
+    with SeriesWriter(scene, directory) as series:
         for i in range(5):
             series.write(make_frame(scene, i))
         raise KeyboardInterrupt
-    assert len(find_series(tmp_path).times) == 5
 
 
 def test_an_earlier_run_never_mixes_with_the_new_one(scene, tmp_path):
@@ -180,9 +187,7 @@ def test_a_folder_that_cannot_be_used_is_found_before_the_run(scene, tmp_path, b
 
 
 def test_a_folder_of_the_system_is_refused(scene):
-    with pytest.raises(InputError, match="/proc/rbfem: results cannot be written to this folder: .*choose another"):
-        from pathlib import Path
-
+    with pytest.raises(InputError, match=r"/proc/rbfem: results cannot be written to this folder: .*choose another"):
         SeriesWriter(scene, Path("/proc/rbfem"))
 
 
@@ -205,7 +210,9 @@ def test_paraview_reads_times_bounds_and_names(scene, tmp_path):
     )
     paths = [str(tmp_path / f"{name}.pvd") for name in ("toy", "toy_bodies")]
     done = subprocess.run(["pvbatch", str(script), *paths], capture_output=True, text=True, timeout=120, check=False)
-    parts, bodies = (eval(line) for line in re.findall("FOUND (.*)", done.stdout))
+    if "No module named 'paraview'" in done.stderr:
+        pytest.skip("pvbatch has no Python modules: apt-get install python3-paraview")
+    parts, bodies = (ast.literal_eval(line) for line in re.findall("FOUND (.*)", done.stdout))
     frame = make_frame(scene, 4)
     assert parts[0] == bodies[0] == [i * (1 / 30) for i in range(5)]
     expected = expected_points(scene, frame)
@@ -218,7 +225,8 @@ def test_paraview_reads_times_bounds_and_names(scene, tmp_path):
 
 
 def test_writing_needs_no_library_for_drawing_or_meshes():
-    code = "import sys, rbfem.results.series; print([m for m in ('pyvista', 'matplotlib', 'meshio', 'vtk') if m in sys.modules])"
+    heavy = ("pyvista", "matplotlib", "meshio", "vtk")
+    code = f"import sys, rbfem.results.series; print([name for name in {heavy} if name in sys.modules])"
     assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout == "[]\n"
 
 

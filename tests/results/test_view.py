@@ -5,7 +5,7 @@ import ctypes.util
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from conftest import make_frame, make_scene
+from toy_scene import make_frame, make_scene
 
 from rbfem.cli.view import command
 from rbfem.errors import InputError, MissingLibraryError, RunError
@@ -52,7 +52,7 @@ def n_colored(image):
 @pytest.mark.usefixtures("_can_draw")
 def test_the_command_draws_a_picture_and_a_film_beside_the_results(results):
     done = CliRunner().invoke(command, [str(results)], catch_exceptions=False)
-    assert done.output.split() == [str(results / "toy.png"), str(results / "toy.gif")]
+    assert done.stdout.split() == [str(results / "toy.png"), str(results / "toy.gif")]
     image = pixels(results / "toy.png")
     assert n_colored(image) > 0.03 * image[:, :, 0].size
     assert tuple(image[5, 5]) == (255, 255, 255)
@@ -121,14 +121,14 @@ def test_a_cut_off_frame_is_named(tmp_path):
     write(make_scene(), tmp_path, 2)
     path = find_series(tmp_path).parts[1]
     path.write_bytes(path.read_bytes()[:-200])
-    with pytest.raises(InputError, match="toy_000001.vtu: its end is missing"):
+    with pytest.raises(InputError, match=r"toy_000001.vtu: its end is missing"):
         draw(tmp_path, tmp_path / "x.png")
 
 
 @pytest.mark.usefixtures("_can_draw")
 def test_a_picture_that_cannot_be_written_is_named(results, tmp_path):
     (tmp_path / "taken.png").mkdir()
-    with pytest.raises(RunError, match="taken.png: could not be written"):
+    with pytest.raises(RunError, match=r"taken.png: could not be written"):
         draw(results, tmp_path / "taken.png")
 
 

@@ -120,6 +120,7 @@ Frame = Literal["world", "body"]
 PositiveLength = Annotated[float, Quantity(LENGTH, above=0.0)]
 Point = Annotated[Vec3, Vector(LENGTH)]
 Box = Annotated[tuple[Point, Point], AfterValidator(_box)]
+RAMP_MEANING = "[[time, factor], …]: linear between, constant outside; 1 if absent."
 RampPoint = tuple[Annotated[float, Quantity(TIME)], Annotated[float, Quantity(NUMBER)]]
 Ramp = Annotated[tuple[RampPoint, ...], AfterValidator(_not_empty), AfterValidator(_ascending)]
 
@@ -238,9 +239,7 @@ class ForceLoad(Section):
         default=None, description="Where it acts, in the shape's own coordinates; centre of mass if absent."
     )
     frame: Frame = Field(default="world", description="Axes of the force: `body` turns with the body.")
-    ramp: Ramp | None = Field(
-        default=None, description="[[time, factor], …]: linear between, constant outside; 1 if absent."
-    )
+    ramp: Ramp | None = Field(default=None, description=RAMP_MEANING)
 
 
 class TorqueLoad(Section):
@@ -249,9 +248,7 @@ class TorqueLoad(Section):
     kind: ClassVar[str] = "torque"
     torque: Annotated[Vec3, Vector(TORQUE)] = Field(description="Torque.")
     frame: Frame = Field(default="world", description="Axes of the torque: `body` turns with the body.")
-    ramp: Ramp | None = Field(
-        default=None, description="[[time, factor], …]: linear between, constant outside; 1 if absent."
-    )
+    ramp: Ramp | None = Field(default=None, description=RAMP_MEANING)
 
 
 class PressureLoad(Section):
@@ -260,9 +257,7 @@ class PressureLoad(Section):
     kind: ClassVar[str] = "pressure"
     pressure: Annotated[float, Quantity(PRESSURE)] = Field(description="Pressure; positive pushes inward.")
     on: Text = Field(description="Name of a surface group of the mesh.")
-    ramp: Ramp | None = Field(
-        default=None, description="[[time, factor], …]: linear between, constant outside; 1 if absent."
-    )
+    ramp: Ramp | None = Field(default=None, description=RAMP_MEANING)
 
 
 class TractionLoad(Section):
@@ -271,9 +266,7 @@ class TractionLoad(Section):
     kind: ClassVar[str] = "traction"
     traction: Annotated[Vec3, Vector(PRESSURE)] = Field(description="Force per area, in the axes of the body.")
     on: Text = Field(description="Name of a surface group of the mesh.")
-    ramp: Ramp | None = Field(
-        default=None, description="[[time, factor], …]: linear between, constant outside; 1 if absent."
-    )
+    ramp: Ramp | None = Field(default=None, description=RAMP_MEANING)
 
 
 class PointOfBody(Section):

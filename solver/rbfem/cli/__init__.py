@@ -1,4 +1,4 @@
-"""The command line: one file a command; each parses, calls and prints. Nothing heavy is imported until a command runs."""
+"""The command line: one file a command; each parses, calls and prints. Nothing heavy is imported before one runs."""
 
 import sys
 

@@ -1,5 +1,6 @@
 """`rbfem inertia`: the mesh-to-inertia utility."""
 
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -18,7 +19,11 @@ if TYPE_CHECKING:
 @click.option("--unit", default="m", show_default=True, help="What the numbers of MESH are in: m, mm, in, …")
 @click.option("--about", metavar="X,Y,Z", help="Print the tensor about this point too, in metres.")
 @click.option("--second", metavar="MESH", help="A coarser or finer mesh of the part: tells the discretisation error.")
-@click.option("--exact", metavar="SHAPE", help="The shape MESH stands for, e.g. sphere:radius=0.05, in --unit.")
+@click.option(
+    "--exact",
+    metavar="SHAPE",
+    help="What MESH stands for: a .step file, or a shape such as sphere:radius=5, in --unit.",
+)
 @click.option("--json", "form", flag_value="json", help="Everything as JSON.")
 @click.option("--urdf", "form", flag_value="urdf", help="An <inertial> element for URDF.")
 @click.option("--mjcf", "form", flag_value="mjcf", help="An <inertial> element for MuJoCo.")
@@ -42,7 +47,7 @@ def command(
     from rbfem.fem.mass_properties import mass_properties
     from rbfem.mesh.read import read_mesh
 
-    point = _point(about) if about else None
+    point = None if about is None else _point(about)
     mesh = read_mesh(mesh_path, unit)
     properties = mass_properties(mesh, _density(densities, mesh))
     error = inertia_error(properties)
@@ -65,10 +70,12 @@ def _formatted(
 
 def _point(text: str) -> list[float]:
     try:
-        x, y, z = (float(part) for part in text.split(","))
+        point = [float(part) for part in text.split(",")]
     except ValueError:
-        raise click.BadParameter(f"read {text!r}, expected three numbers such as 0,0,0.1", param_hint="--about") from None
-    return [x, y, z]
+        point = []
+    if len(point) != 3 or not all(map(math.isfinite, point)):
+        raise click.BadParameter(f"read {text!r}, expected three numbers such as 0,0,0.1", param_hint="--about")
+    return point
 
 
 def _density(texts: tuple[str, ...], mesh: "TetMesh") -> "Density":
@@ -104,18 +111,18 @@ def _against_exact(
     properties: "MassProperties", mesh: "TetMesh", exact: str, unit: str, densities: tuple[str, ...]
 ) -> "InertiaError":
     from rbfem.fem.inertia_error import error_against_exact
-    from rbfem.fem.primitives import primitive_properties
-    from rbfem.mesh.primitives import PRIMITIVES, is_primitive, parse_primitive, usage
+    from rbfem.fem.primitives import primitive_properties, solid_properties
+    from rbfem.mesh.primitives import is_primitive, parse_primitive
     from rbfem.mesh.units import metres_per
 
-    if not is_primitive(exact):
-        known = ", ".join(usage(kind) for kind in PRIMITIVES)
-        raise click.BadParameter(f"read {exact!r}, expected one of {known}", param_hint="--exact")
     density = _density(densities, mesh)
     if not isinstance(density, float):
         raise click.BadParameter("the exact shape is known for one density only", param_hint="--exact")
-    shape = parse_primitive(exact).scaled(metres_per(unit))
-    return error_against_exact(properties, primitive_properties(shape, density), exact)
+    if is_primitive(exact):
+        known = primitive_properties(parse_primitive(exact).scaled(metres_per(unit)), density)
+    else:
+        known = solid_properties(exact, density)
+    return error_against_exact(properties, known, exact)
 
 
 def _against_second(

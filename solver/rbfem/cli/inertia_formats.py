@@ -38,9 +38,7 @@ def as_table(
     yield from (f"  warning            {warning}" for warning in mesh.warnings)
 
 
-def as_json(
-    properties: MassProperties, error: InertiaError, mesh: TetMesh, about: Sequence[float] | None
-) -> str:
+def as_json(properties: MassProperties, error: InertiaError, mesh: TetMesh, about: Sequence[float] | None) -> str:
     """One JSON object, in SI. `error` is the estimated relative error of the tensor, of the parts that are known."""
     summary = summarize(mesh)
     data = {

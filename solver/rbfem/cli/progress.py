@@ -8,6 +8,7 @@ from typing import Self
 import click
 
 from rbfem.compute.loops import is_cached
+from rbfem.motion.advance import advance
 from rbfem.planning.plan import Plan
 from rbfem.scene.scene import Scene
 from rbfem.simulation.frame import Frame
@@ -24,7 +25,8 @@ class Progress:
         self._told = time.monotonic()
 
     def __enter__(self) -> Self:
-        if self._plan.backend.value != "python" and not is_cached():
+        backend = str(self._plan.backend.value)
+        if backend != "python" and not is_cached(advance, backend):
             click.echo("  compiling the kernels, the first time only …", err=True)
         if self._is_terminal:
             from rich.console import Console

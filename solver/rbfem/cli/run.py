@@ -7,7 +7,9 @@ import click
 
 @click.command("run")
 @click.argument("case", type=click.Path(path_type=Path))
-@click.option("-o", "--output", "directory", metavar="DIR", type=click.Path(path_type=Path), help="Default: results/NAME.")
+@click.option(
+    "-o", "--output", "directory", metavar="DIR", type=click.Path(path_type=Path), help="Default: results/NAME."
+)
 @click.option("--set", "overrides", multiple=True, metavar="KEY=VALUE", help="Override a value; bodies by their name.")
 @click.option("--beyond-limit", is_flag=True, help="Go on with a step beyond the stability limit.")
 @click.pass_context

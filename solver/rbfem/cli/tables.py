@@ -19,29 +19,32 @@ def plan_lines(plan: Plan) -> Iterator[str]:
     for label in ("contact", "method", "step", "step_limit", "backend", "output"):
         yield from paragraph(label.replace("_", " "), _in_words(getattr(plan, label)))
     yield from paragraph("check", plan.verify.reason)
+    yield from paragraph("accuracy", f"{plan.accuracy:g} accepted; what the check finds is held against it")
     yield from paragraph("left out", "; ".join(plan.left_out))
 
 
 def report_lines(report: dict[str, Any], directory: Path) -> Iterator[str]:
     """The end of a run: error, balance, cost, expectations, warnings, and where to look."""
     error, cost = report["error"], report["cost"]
-    verdict = "within" if error["estimated"] <= error["asked"] else "ABOVE"
-    yield from paragraph(
-        "error", f"estimated {error['estimated']:.2g}, {verdict} the {error['asked']:.2g} asked for; {error['how']}"
-    )
+    yield from paragraph("error", _verdict(error))
     drift = ", ".join(
-        f"{name.replace('_', ' ')} {one['largest_drift']:.2g} {one['unit']}" for name, one in report["invariants"].items()
+        f"{name.replace('_', ' ')} {one['largest_drift']:.2g} {one['unit']}"
+        for name, one in report["invariants"].items()
     )
     yield from paragraph("drift", drift)
     seconds = ", ".join(f"{phase} {time:.2g} s" for phase, time in cost["wall_seconds"].items())
     yield from paragraph("cost", f"{seconds}; {cost['steps']} steps, {cost['body_steps_per_second']:.3g} body-steps/s")
     for expect in report["expect"]:
         sign = "ok" if expect["pass"] else "MISSED"
-        yield from paragraph(sign, f"{expect['quantity']} at {expect['at']:g} s: off by {expect['error']:.3g}, "
-                             f"tolerance {expect['tolerance']:g} ({expect['source']})")
+        yield from paragraph(
+            sign,
+            f"{expect['quantity']} at {expect['at']:g} s: off by {expect['error']:.3g}, "
+            f"tolerance {expect['tolerance']:g} ({expect['source']})",
+        )
     for warning in report["warnings"]:
         yield from paragraph("warning", warning)
-    yield from paragraph("look", f"paraview {directory / report['case']}.pvd   or   rbfem view {directory}")
+    yield f"  {'look':<{LABEL}}paraview {directory / report['case']}.pvd"  # commands to copy are never wrapped
+    yield f"  {'or':<{LABEL}}rbfem view {directory}"
 
 
 def paragraph(label: str, text: str) -> Iterator[str]:
@@ -53,6 +56,13 @@ def paragraph(label: str, text: str) -> Iterator[str]:
     lines = textwrap.wrap(text, WIDTH - LABEL, break_long_words=False, break_on_hyphens=False) or [""]
     for index, line in enumerate(lines):
         yield f"  {label if index == 0 else '':<{LABEL}}{line}"
+
+
+def _verdict(error: dict[str, Any]) -> str:
+    if error["estimated"] is None:
+        return f"not known: {error['how']}"
+    verdict = "within" if error["estimated"] <= error["asked"] else "ABOVE"
+    return f"estimated {error['estimated']:.2g}, {verdict} the {error['asked']:.2g} asked for; {error['how']}"
 
 
 def _in_words(choice: Choice) -> str:

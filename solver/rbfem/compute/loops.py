@@ -23,8 +23,14 @@ BACKENDS = ("python", "serial", "parallel")
 parallel_range = range
 
 # A leaf is inlined by force: one with many arguments otherwise stays a call, two to three times slower.
-LEAF = {"forceinline": True, "_nrt": False, "nogil": True, "error_model": "numpy", "fastmath": {"contract"}}
-LOOP = {"_nrt": False, "nogil": True, "error_model": "numpy", "fastmath": {"contract"}}
+LEAF: dict[str, Any] = {
+    "forceinline": True,
+    "_nrt": False,
+    "nogil": True,
+    "error_model": "numpy",
+    "fastmath": {"contract"},
+}
+LOOP: dict[str, Any] = {"_nrt": False, "nogil": True, "error_model": "numpy", "fastmath": {"contract"}}
 
 _one_parallel_kernel_at_a_time = threading.Lock()  # numba's workqueue layer aborts the process on a second entry
 
@@ -64,7 +70,7 @@ def compiled(function: Callable, parallel: bool = False) -> Callable:
 
     names = {"parallel_range": numba.prange if parallel else range}
     text = _with_globals(function, names | _compiled_leaves(function), "_parallel" if parallel else "")
-    return _jit(text, parallel=parallel, **LOOP)
+    return _kept(text, _cache_folder(function), parallel=parallel, **LOOP)
 
 
 def clear_of_numba() -> bool:
@@ -74,23 +80,29 @@ def clear_of_numba() -> bool:
     return "numba" not in sys.modules
 
 
-def is_cached() -> bool:
-    """Whether kernels of exactly this source were compiled before on this machine."""
-    folder = _cache_folder()
-    return folder is not None and any(folder.rglob("*.nbc"))
+def is_cached(function: Callable, backend: str) -> bool:
+    """Whether this loop was compiled before on this machine, from exactly this source."""
+    folder = _cache_folder(function)
+    name = function.__name__ + ("_parallel" if backend == "parallel" else "")
+    return folder is not None and any(folder.rglob(f"*.{name}-*.nbc"))
 
 
 def _items(argument: Any) -> Any:
     if isinstance(argument, np.ndarray):
-        return memoryview(argument)
+        return argument.data
     if isinstance(argument, tuple) and hasattr(argument, "_fields"):
         return type(argument)(*[_items(value) for value in argument])
     return argument
 
 
 def _compiled_leaves(function: Callable) -> dict[str, Callable]:
-    called = {name: function.__globals__.get(name) for name in function.__code__.co_names}
-    return {name: _leaf(value) for name, value in called.items() if _is_ours(value)}
+    return {name: _leaf(called) for name, called in _called(function).items()}
+
+
+def _called(function: Callable) -> dict[str, types.FunctionType]:
+    """The plain functions of rbfem that a function calls, by the name it calls them."""
+    found = {name: function.__globals__.get(name) for name in function.__code__.co_names}
+    return {name: value for name, value in found.items() if _is_ours(value)}
 
 
 def _is_ours(value: Any) -> bool:
@@ -99,7 +111,9 @@ def _is_ours(value: Any) -> bool:
 
 @functools.cache
 def _leaf(function: Callable) -> Callable:
-    return _jit(_with_globals(function, _compiled_leaves(function), ""), **LEAF)
+    import numba
+
+    return numba.njit(**LEAF)(_with_globals(function, _compiled_leaves(function), ""))
 
 
 def _with_globals(function: Callable, names: dict[str, Any], suffix: str) -> types.FunctionType:
@@ -110,40 +124,54 @@ def _with_globals(function: Callable, names: dict[str, Any], suffix: str) -> typ
     return text
 
 
-def _jit(function: Callable, **options: Any) -> Callable:
+def _kept(function: Callable, folder: Path | None, **options: Any) -> Callable:
+    """A loop for numba to compile and, where there is a folder, to keep there."""
     import numba
 
-    folder = _cache_folder()
     if folder is None:
         return numba.njit(**options)(function)
-    before, numba.config.CACHE_DIR = numba.config.CACHE_DIR, str(folder)
+    settings: Any = numba.config
+    before, settings.CACHE_DIR = settings.CACHE_DIR, str(folder)
     try:
         return numba.njit(cache=True, **options)(function)
     finally:
-        numba.config.CACHE_DIR = before
+        settings.CACHE_DIR = before
 
 
 @functools.cache
-def _cache_folder() -> Path | None:
-    """A writable folder named after the source of every kernel, or None.
+def _cache_folder(function: Callable) -> Path | None:
+    """A writable folder named after the source of a loop and of all that it calls, or None.
 
     numba does not notice a change in a function that a cached kernel calls from another file; a folder per source does.
     """
-    user = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
-    for parent in (user, Path(tempfile.gettempdir()) / f"rbfem-{os.getuid() if hasattr(os, 'getuid') else 'user'}"):
-        folder = parent / "rbfem" / _source_hash()
+    for parent in (_user_cache, _temporary_cache):
         try:
+            folder = parent() / "rbfem" / _source_hash(function)
             folder.mkdir(parents=True, exist_ok=True)
             with tempfile.TemporaryFile(dir=folder):
                 return folder
-        except OSError:
+        except (OSError, RuntimeError):  # RuntimeError: a user without a home
             continue
     return None
 
 
-@functools.cache
-def _source_hash() -> str:
+def _user_cache() -> Path:
+    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
+
+
+def _temporary_cache() -> Path:
+    return Path(tempfile.gettempdir()) / f"rbfem-{os.getuid() if hasattr(os, 'getuid') else 'user'}"
+
+
+def _source_hash(function: Callable) -> str:
+    """Of every file in the rooms that the loop's text comes from: the constants it reads count as well as functions."""
     digest = hashlib.sha256(os.environ.get("NUMBA_BOUNDSCHECK", "").encode())
-    for file in sorted(Path(__file__).parents[1].rglob("*.py")):
-        digest.update(file.read_bytes())
+    for room in sorted({Path(file).parent for file in _source_files(function)} | {Path(__file__).parent}):
+        for file in sorted(room.glob("*.py")):
+            digest.update(file.read_bytes())
     return digest.hexdigest()[:16]
+
+
+def _source_files(function: Callable) -> set[str]:
+    """The files of a function and of all that it calls."""
+    return {function.__code__.co_filename}.union(*(_source_files(called) for called in _called(function).values()))

@@ -14,10 +14,16 @@ Density = float | Mapping[str, float] | ArrayLike
 
 @dataclass(frozen=True)
 class DensityField:
-    """Checked density of a mesh. values: kg/m^3, (n_tets,), or (n_nodes,) where `is_nodal`."""
+    """Checked density of a mesh. values: kg/m^3, (1,) for all, (n_tets,), or (n_nodes,) where `is_nodal`."""
 
     values: NDArray[np.float64]
     is_nodal: bool
+
+    def of_tets(self, mesh: TetMesh) -> NDArray[np.float64]:
+        """(n_tets,) density of each tet: its own value, or the mean of its corners'. Not to be written to."""
+        if self.is_nodal:
+            return self.values[mesh.tets[:, :4]].mean(axis=1)
+        return np.broadcast_to(self.values, (mesh.n_tets,))
 
 
 def density_field(mesh: TetMesh, density: Density) -> DensityField:
@@ -33,7 +39,7 @@ def density_field(mesh: TetMesh, density: Density) -> DensityField:
     values = np.asarray(density, dtype=float)
     if values.ndim == 0:
         _require_positive(values, mesh)
-        return DensityField(np.full(mesh.n_tets, float(values)), is_nodal=False)
+        return DensityField(values.reshape(1), is_nodal=False)
     if values.shape not in ((mesh.n_tets,), (mesh.n_nodes,)):
         raise InputError(
             f"{mesh.source}: a density of shape {values.shape} fits neither the {mesh.n_tets} tets nor the "
@@ -50,13 +56,6 @@ def field_of_file(mesh: TetMesh, name: str) -> NDArray[np.float64]:
             return fields[name]
     known = sorted({*mesh.cell_fields, *mesh.point_fields})
     raise InputError(f"{mesh.source}: no scalar field '{name}' in the mesh; it has {', '.join(known) or 'none'}")
-
-
-def mean_by_tet(mesh: TetMesh, density: DensityField) -> NDArray[np.float64]:
-    """(n_tets,) density of each tet: its own value, or the mean of its corners'. For display and for the mesh's report."""
-    if density.is_nodal:
-        return density.values[mesh.tets[:, :4]].mean(axis=1)
-    return density.values
 
 
 def groups_of_tets(mesh: TetMesh) -> NDArray[np.int64]:

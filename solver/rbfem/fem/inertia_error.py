@@ -34,9 +34,7 @@ def inertia_error(properties: MassProperties) -> InertiaError:
     return InertiaError(properties.rounding_error, None, how)
 
 
-def error_against_exact(
-    properties: MassProperties, exact: MassProperties, name: str
-) -> InertiaError:
+def error_against_exact(properties: MassProperties, exact: MassProperties, name: str) -> InertiaError:
     """Error of the tensor of a mesh whose exact shape is known, in the same axes."""
     return InertiaError(properties.rounding_error, tensor_distance(properties, exact), f"against the exact {name}")
 
@@ -54,8 +52,8 @@ def error_against_second(
     ratio = (mesh.n_tets / second_mesh.n_tets) ** (1.0 / 3.0)
     if max(ratio, 1.0 / ratio) < LEAST_RATIO:
         raise InputError(
-            f"{second_mesh.source}: {second_mesh.n_tets} tets, and the first mesh has {mesh.n_tets}: too alike to tell the "
-            "error; give one with at least twice or at most half as many"
+            f"{second_mesh.source}: {second_mesh.n_tets} tets, and the first mesh has {mesh.n_tets}: too alike to tell "
+            "the error; give one with at least twice or at most half as many"
         )
     order = ORDER_CURVED if mesh.is_second_order and second_mesh.is_second_order else ORDER_FLAT
     distance = tensor_distance(properties, second) / abs(1.0 - ratio**order)

@@ -14,18 +14,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from rbfem.errors import InputError
 from rbfem.fem.density import Density, density_field
-from rbfem.fem.moments import Moments, mesh_moments
+from rbfem.fem.moments import mesh_moments
 from rbfem.fem.principal import principal_axes
+from rbfem.fem.rounding import UNIT_ROUNDOFF, predicted_rounding
 from rbfem.mesh.tet_mesh import TetMesh
 from rbfem.motion import quaternion
 
 Array = NDArray[np.float64]
-
-UNIT_ROUNDOFF = 2.0**-53
-# Rounding of the tensor in units of roundoff: a floor for the sums and the shift to the centre of mass; how many
-# roundings a tet's determinant collects; and the fifth power of length in the tensor. Calibrated in
-# tests/fem/test_inertia_rounding.py, where the prediction must lie above the measured error and within 100 times it.
-ROUNDING_FLOOR, ROUNDINGS_OF_A_TET, POWER_OF_LENGTH = 4.0, 4.0, 5.0
 
 
 @dataclass(frozen=True)
@@ -81,12 +76,13 @@ def mass_properties(mesh: TetMesh, density: Density = 1.0, backend: str = "auto"
     >>> float(body.mass), body.center_of_mass, np.diag(body.inertia).round(12)
     (1.0, array([0.25, 0.25, 0.25]), array([0.075, 0.075, 0.075]))
     """
-    center = mesh.nodes.mean(axis=0)
-    moments = mesh_moments(mesh, density_field(mesh, density), center, backend)
+    center = np.ascontiguousarray(mesh.nodes.T).mean(axis=1)
+    field = density_field(mesh, density)
+    moments = mesh_moments(mesh, field, center, backend)
     offset = moments.first / moments.mass
     about_center = np.trace(moments.second) * np.eye(3) - moments.second
     inertia = about_center - moments.mass * point_inertia(offset)
-    rounding = _predicted_rounding(moments, inertia, np.abs(mesh.nodes).max())
+    rounding = predicted_rounding(mesh, field, moments, center + offset, inertia)
     try:
         return from_tensor(moments.mass, moments.volume, center + offset, inertia, rounding)
     except InputError as error:
@@ -98,6 +94,8 @@ def from_tensor(
 ) -> MassProperties:
     """Mass properties from a tensor about the centre of mass. Raises InputError if no body can have it."""
     inertia = 0.5 * (inertia + inertia.T)
+    if not np.isfinite(inertia).all():
+        raise InputError("the inertia tensor is not finite; look for lengths or densities beyond any part's")
     moments, axes = principal_axes(inertia, tolerance=10.0 * rounding_error)
     if not moments[0] > 0.0 or not moments[0] + moments[1] > (1.0 - 1e-9) * moments[2]:
         raise InputError(
@@ -146,13 +144,3 @@ def point_inertia(r: Array) -> Array:
     """
     square = np.einsum("...i,...i->...", r, r)
     return square[..., None, None] * np.eye(3) - r[..., :, None] * r[..., None, :]
-
-
-def _predicted_rounding(moments: Moments, inertia: Array, largest_coordinate: float) -> float:
-    gyration = np.sqrt(max(np.trace(inertia), 0.0) / (2.0 * moments.mass))
-    if gyration == 0.0:
-        return 1.0
-    determinants = np.sqrt(moments.determinant_scale) / moments.mass
-    coordinates = largest_coordinate / gyration
-    roundings = ROUNDING_FLOOR + ROUNDINGS_OF_A_TET * determinants + POWER_OF_LENGTH * coordinates
-    return float(UNIT_ROUNDOFF * roundings)

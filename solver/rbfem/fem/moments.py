@@ -1,4 +1,4 @@
-"""Sums of tet moments over a mesh: in NumPy, chunk by chunk, or in a compiled loop; one text of the physics for both."""
+"""Sums of tet moments over a mesh: in NumPy, chunk by chunk, or in a compiled loop; one text of the physics."""
 
 from dataclasses import dataclass
 
@@ -7,8 +7,9 @@ from numpy.typing import NDArray
 
 from rbfem.compute.loops import clear_of_numba, loop, parallel_range
 from rbfem.fem.density import DensityField
-from rbfem.fem.shape_functions import EDGES, quadratic, quadratic_gradients, tet_quadrature
 from rbfem.fem.tet_moments import tet_moments, tet_volume, total, weighted_first_moment, weighted_second_moment
+from rbfem.mesh.geometry import curved
+from rbfem.mesh.shape_functions import quadratic, quadratic_gradients, tet_quadrature
 from rbfem.mesh.tet_mesh import TetMesh
 
 Array = NDArray[np.float64]
@@ -20,7 +21,6 @@ BLOCK = 64  # tets summed one after the other in the compiled loop, so that roun
 TETS_TO_START_NUMBA, TETS_WITH_NUMBA = 5_000_000, 200_000
 # Degree of the integrand on a curved tet: Jacobian 3, two coordinates 2 + 2, and a nodal density 2 more.
 DEGREE_CURVED, DEGREE_CURVED_NODAL = 7, 9
-STRAIGHT = 1e-14  # a mid-side node this share of its edge away from the middle is a rounding, not a curve
 
 # Columns of a row of sums.
 MASS, VOLUME, SCALE, FIRST, SECOND, WIDTH = 0, 1, 2, 3, 6, 12
@@ -40,12 +40,13 @@ class Moments:
 def mesh_moments(mesh: TetMesh, density: DensityField, center: Array, backend: str = "auto") -> Moments:
     """Moments of a mesh about `center` (3,), coordinates taken relative to it before anything else is done."""
     nodes = mesh.nodes - center
-    is_curved = _curved(mesh, nodes, density)
+    is_curved = _needs_quadrature(mesh, density)
     rows = []
     if not is_curved.all():
         rows.append(_straight_sums(nodes, mesh.tets, density, ~is_curved, backend))
     if is_curved.any():
-        rows.append(_curved_sums(nodes, mesh.tets[is_curved], density, is_curved))
+        by_tet = density.of_tets(mesh)[is_curved]
+        rows.append(_curved_sums(nodes, mesh.tets[is_curved], density, by_tet))
     sums = np.ascontiguousarray(np.vstack(rows).T).sum(axis=1)  # by pairs, so that rounding does not grow
     xx, yy, zz, xy, xz, yz = sums[SECOND:]
     second = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
@@ -53,7 +54,8 @@ def mesh_moments(mesh: TetMesh, density: DensityField, center: Array, backend: s
 
 
 def sum_blocks(nodes, tets, density, block, sums):
-    """Sums (n_blocks, 12) of the moments of `block` straight tets each, with one density a tet."""
+    """Sums (n_blocks, 12) of the moments of `block` straight tets each, with one density a tet, or (1,) for all."""
+    each = 0 if len(density) == 1 else 1
     for i in parallel_range(len(sums)):
         m, v, s, x, y, z = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
         xx, yy, zz, xy, xz, yz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
@@ -64,9 +66,10 @@ def sum_blocks(nodes, tets, density, block, sums):
             cx, cy, cz = nodes[c, 0], nodes[c, 1], nodes[c, 2]
             dx, dy, dz = nodes[d, 0], nodes[d, 1], nodes[d, 2]
             volume, scale = tet_volume(ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz)
-            mass = density[t] * volume
+            rho = density[each * t]
+            mass = rho * volume
             p = tet_moments(mass, ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz)
-            m, v, s = m + mass, v + volume, s + density[t] * density[t] * scale
+            m, v, s = m + mass, v + volume, s + rho * rho * scale
             x, y, z = x + p[0], y + p[1], z + p[2]
             xx, yy, zz = xx + p[3], yy + p[4], zz + p[5]
             xy, xz, yz = xy + p[6], xz + p[7], yz + p[8]
@@ -75,9 +78,10 @@ def sum_blocks(nodes, tets, density, block, sums):
 
 
 def _straight_sums(nodes: Array, tets: NDArray, density: DensityField, chosen: NDArray, backend: str) -> Array:
+    values = density.values
     if not chosen.all():
         tets = tets[chosen]
-    values = density.values if density.is_nodal or chosen.all() else density.values[chosen]
+        values = values if len(values) == 1 else values[chosen]  # no straight tet10 has a nodal density
     if backend == "auto":
         enough = len(tets) >= (TETS_TO_START_NUMBA if clear_of_numba() else TETS_WITH_NUMBA)
         backend = "serial" if enough and not density.is_nodal else "numpy"
@@ -102,32 +106,25 @@ def _chunk_sums(axes: Array, tets: NDArray, values: Array, is_nodal: bool, start
         pairs = ((x, x), (y, y), (z, z), (x, y), (x, z), (y, z))
         rest = first + [weighted_second_moment(volume, corner_density, a, b) for a, b in pairs]
     else:
-        density = values[start : start + CHUNK]
+        density = values if len(values) == 1 else values[start : start + CHUNK]
         mass = volume * density
         rest = list(tet_moments(mass, *components))
     return [float(np.sum(column)) for column in (mass, volume, density * density * scale, *rest)]
 
 
-def _curved(mesh: TetMesh, nodes: Array, density: DensityField) -> NDArray[np.bool_]:
-    """(n_tets,) tets that need quadrature: a mid-side node off the middle, or a density that is quadratic inside."""
-    if not mesh.is_second_order:
-        return np.zeros(mesh.n_tets, dtype=bool)
-    if density.is_nodal:
+def _needs_quadrature(mesh: TetMesh, density: DensityField) -> NDArray[np.bool_]:
+    """(n_tets,) curved tets, and all second-order ones where the density is quadratic inside."""
+    if mesh.is_second_order and density.is_nodal:
         return np.ones(mesh.n_tets, dtype=bool)
-    off, edge = np.zeros(mesh.n_tets), np.zeros(mesh.n_tets)
-    for k, (i, j) in enumerate(EDGES):
-        start, end = nodes[mesh.tets[:, i]], nodes[mesh.tets[:, j]]
-        off = np.maximum(off, np.abs(nodes[mesh.tets[:, 4 + k]] - 0.5 * (start + end)).max(axis=1))
-        edge = np.maximum(edge, np.abs(end - start).max(axis=1))
-    resolution = np.abs(mesh.nodes).max() * 2.0**-52
-    return off > np.maximum(STRAIGHT * edge, 2.0 * resolution)
+    chosen = np.zeros(mesh.n_tets, dtype=bool)
+    chosen[curved(mesh.nodes, mesh.tets)] = True
+    return chosen
 
 
-def _curved_sums(nodes: Array, tets: NDArray, density: DensityField, chosen: NDArray) -> Array:
+def _curved_sums(nodes: Array, tets: NDArray, density: DensityField, by_tet: Array) -> Array:
     degree = DEGREE_CURVED_NODAL if density.is_nodal else DEGREE_CURVED
     points, weights = tet_quadrature(degree)
     values, gradients = quadratic(points), quadratic_gradients(points)
-    by_tet = None if density.is_nodal else density.values[chosen]
     rows = []
     for start in range(0, len(tets), CURVED_CHUNK):
         chunk = tets[start : start + CURVED_CHUNK]
@@ -135,7 +132,7 @@ def _curved_sums(nodes: Array, tets: NDArray, density: DensityField, chosen: NDA
         position = np.einsum("ki,mic->mkc", values, corners, optimize=True)
         jacobian = np.einsum("kia,mic->mkac", gradients, corners, optimize=True)
         volume = np.linalg.det(jacobian) * weights
-        rho = density.values[chunk] @ values.T if by_tet is None else by_tet[start : start + CURVED_CHUNK, None]
+        rho = density.values[chunk] @ values.T if density.is_nodal else by_tet[start : start + CURVED_CHUNK, None]
         rows.append(_quadrature_sums(position, volume, rho * volume))
     return np.array(rows)
 

@@ -3,39 +3,19 @@
 Source of the tensors: Goldstein, Classical Mechanics, 3rd ed., chapter 5; any handbook of mechanics.
 """
 
-from dataclasses import dataclass
 from math import pi
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rbfem.fem.mass_properties import MassProperties, from_tensor
+from rbfem.fem.mass_properties import MassProperties, composed, from_tensor
+from rbfem.mesh.generate import solid_moments
+from rbfem.mesh.primitives import Primitive
 
 Array = NDArray[np.float64]
 
 SEGMENTS = 32  # around a round primitive when it is drawn; the inertia does not come from this
-
-
-@dataclass(frozen=True)
-class Primitive:
-    """kind: "sphere", "box", "cylinder" (axis z) or "ellipsoid"; extent (3,) m: half widths, or radii and half height."""
-
-    kind: str
-    extent: tuple[float, float, float]
-
-    @property
-    def volume(self) -> float:
-        """m^3."""
-        a, b, c = self.extent
-        return {"box": 8.0, "cylinder": 2.0 * pi}.get(self.kind, 4.0 / 3.0 * pi) * a * b * c
-
-    @property
-    def bounding_radius(self) -> float:
-        """Largest distance from the centre, metres."""
-        a, b, c = self.extent
-        if self.kind == "box":
-            return float(np.hypot(np.hypot(a, b), c))
-        return float(np.hypot(a, c)) if self.kind == "cylinder" else max(a, b, c)
 
 
 def primitive_properties(primitive: Primitive, density: float) -> MassProperties:
@@ -52,6 +32,15 @@ def primitive_properties(primitive: Primitive, density: float) -> MassProperties
     mass = density * primitive.volume
     tensor = mass * np.diag(mean_square[[1, 0, 0]] + mean_square[[2, 2, 1]])
     return from_tensor(mass, primitive.volume, np.zeros(3), tensor)
+
+
+def solid_properties(source: str | Path, density: float) -> MassProperties:
+    """Mass properties of the solids of a STEP or IGES file, in metres, as OpenCASCADE integrates them."""
+    solids = solid_moments(source)
+    return composed(
+        from_tensor(density * volume, volume, np.array(center), density * np.reshape(tensor, (3, 3)))
+        for volume, center, tensor in zip(solids["volumes"], solids["centers"], solids["tensors"], strict=True)
+    )
 
 
 def primitive_surface(primitive: Primitive) -> tuple[Array, NDArray[np.int64]]:
@@ -85,7 +74,8 @@ def _unit_cylinder() -> tuple[Array, NDArray[np.int64]]:
 def _unit_sphere() -> tuple[Array, NDArray[np.int64]]:
     """Rings of points between two poles."""
     n_rings = SEGMENTS // 2 - 1
-    polar, angle = np.meshgrid(pi * np.arange(1, n_rings + 1) / (n_rings + 1), 2.0 * pi * np.arange(SEGMENTS) / SEGMENTS)
+    latitude, longitude = np.arange(1, n_rings + 1) / (n_rings + 1), np.arange(SEGMENTS) / SEGMENTS
+    polar, angle = np.meshgrid(pi * latitude, 2.0 * pi * longitude)
     rings = np.stack([np.sin(polar) * np.cos(angle), np.sin(polar) * np.sin(angle), np.cos(polar)], axis=-1)
     points = np.vstack([rings.transpose(1, 0, 2).reshape(-1, 3), [[0, 0, 1], [0, 0, -1]]])
     low = np.arange(SEGMENTS)

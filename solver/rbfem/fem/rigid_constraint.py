@@ -1,14 +1,14 @@
 """The rigid constraint on a finite element mesh: six columns that leave six degrees of freedom.
 
-The displacement field u = Σ N_i u_i is held to u_i = T(r_i) q, q = (translation, small rotation) about a point. What the
-mesh does then follows from the finite element matrices alone: mass TᵀMT, load Tᵀf, and no stiffness at all.
+The displacement field u = Σ N_i u_i is held to u_i = T(r_i) q, q = (translation, small rotation) about a point. What
+the mesh does then follows from the finite element matrices alone: mass TᵀMT, load Tᵀf, and no stiffness at all.
 """
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rbfem.fem.density import Density, density_field
-from rbfem.fem.shape_functions import quadratic, quadratic_gradients, tet_quadrature
+from rbfem.mesh.shape_functions import quadratic, quadratic_gradients, tet_quadrature
 from rbfem.mesh.tet_mesh import TetMesh
 
 Array = NDArray[np.float64]

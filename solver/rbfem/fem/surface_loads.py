@@ -1,11 +1,11 @@
-"""Pressure and traction on a named surface group, as consistent nodal forces; the rigid constraint makes them a wrench."""
+"""Pressure and traction on a named surface group, as consistent nodal forces; the rigid constraint sums them up."""
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rbfem.errors import InputError
 from rbfem.fem.rigid_constraint import wrench
-from rbfem.fem.shape_functions import triangle_quadratic, triangle_quadratic_gradients, triangle_quadrature
+from rbfem.mesh.shape_functions import triangle_quadratic, triangle_quadratic_gradients, triangle_quadrature
 from rbfem.mesh.tet_mesh import TetMesh
 
 Array = NDArray[np.float64]
@@ -14,7 +14,7 @@ Array = NDArray[np.float64]
 def surface_triangles(mesh: TetMesh, group: str) -> NDArray[np.int64]:
     """The triangles of a surface group. Raises InputError if the mesh has no such group, or an empty one."""
     if group not in mesh.surfaces:
-        raise InputError(f"{mesh.source}: no surface group '{group}'; the mesh has {', '.join(mesh.surfaces) or 'none'}")
+        raise InputError(f"{mesh.source}: no surface group '{group}'; it has {', '.join(mesh.surfaces) or 'none'}")
     triangles = mesh.surfaces[group]
     if len(triangles) == 0:
         raise InputError(f"{mesh.source}: the surface group '{group}' is empty")

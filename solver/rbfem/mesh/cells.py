@@ -69,14 +69,14 @@ def tets_of(kind: str, cells: NDArray, source: str) -> tuple[NDArray, NDArray]:
     if shape not in CELL_FACES:
         known = "tetra, tetra10, hexahedron, wedge, pyramid (also of second order)"
         raise InputError(
-            f"{source}: cells of kind {kind!r} cannot be read; expected {known}. Save the mesh with those, order 1 or 2."
+            f"{source}: cells of kind {kind!r} cannot be read; expected {known}. Save the mesh with those."
         )
     return split(cells[:, : CORNERS[shape]], CELL_FACES[shape])
 
 
 def split(cells: NDArray, faces: tuple) -> tuple[NDArray, NDArray]:
     """Tets of hexahedra, wedges or pyramids: from the corner with the smallest number to every triangle of the faces
-    that do not touch it. A quadrilateral is cut from its own smallest corner, so that both cells at a face cut it alike.
+    that do not touch it. A quadrilateral is cut from its own smallest corner, so both cells at a face cut it alike.
 
     cells : (n, corners)    returns : tets (k, 4), parents (k,), ordered by cell
     Source of the rule: Dompierre, Labbé, Vallet, Camarero, How to subdivide pyramids, prisms, and hexahedra into
@@ -145,7 +145,9 @@ def joined(file: MeshFile, parts: list[NDArray]) -> tuple[NDArray, NDArray, dict
     mid_nodes, ends = mid_nodes_of(linear, quadratic, len(file.points))
     raised = iter(np.split(np.hstack([linear, mid_nodes]), np.cumsum([len(t) for t in parts if t.shape[1] == 4])[:-1]))
     tets = np.concatenate([next(raised) if part.shape[1] == 4 else part for part in parts])
-    nodes, *columns = (np.concatenate([x, (x[ends[:, 0]] + x[ends[:, 1]]) / 2]) for x in (file.points, *fields.values()))
+    nodes, *columns = (
+        np.concatenate([x, (x[ends[:, 0]] + x[ends[:, 1]]) / 2]) for x in (file.points, *fields.values())
+    )
     words = f"{len(linear)} tet4 among tet10 raised to tet10 with straight edges (bent ones where a tet10 shares them)"
     return nodes, tets, dict(zip(fields, columns, strict=True)), [words]
 
@@ -193,4 +195,6 @@ def with_merged_nodes(file: MeshFile) -> MeshFile:
     if not merged:
         return file
     blocks = tuple(replace(block, nodes=target[block.nodes]) for block in file.blocks)
-    return replace(file, blocks=blocks, repairs=(*file.repairs, f"{merged} nodes merged with another at the same place"))
+    return replace(
+        file, blocks=blocks, repairs=(*file.repairs, f"{merged} nodes merged with another at the same place")
+    )

@@ -3,19 +3,15 @@
 import numpy as np
 from numpy.typing import NDArray
 
-# Edges of a tet in VTK's order; the second-order node of edge e is node 4 + e.
-EDGES = np.array([[0, 1], [1, 2], [0, 2], [0, 3], [1, 3], [2, 3]])
+from rbfem.mesh.shape_functions import EDGES, quadratic_gradients, tet_quadrature
 
-# Degree 3, five points (Stroud, Approximate Calculation of Multiple Integrals, 1971, T3:3-1): exact for det J of a tet10,
-# which is a product of three linear functions. Weights add up to the reference volume 1/6.
-CUBIC_POINTS = np.array([[1 / 4] * 4, *(np.full((4, 4), 1 / 6) + np.eye(4) / 3)])
-CUBIC_WEIGHTS = np.array([-4 / 5, 9 / 20, 9 / 20, 9 / 20, 9 / 20]) / 6
+DEGREE_OF_JACOBIAN = 3  # det J of a tet10 is a product of three linear functions
 
 # The ten nodes: where a fold of a second-order tet shows first.
 NODE_POINTS = np.vstack([np.eye(4), (np.eye(4)[EDGES[:, 0]] + np.eye(4)[EDGES[:, 1]]) / 2])
 
-# A mid-node this far from the middle of its edge, as a share of the longest edge, is rounding and not curvature.
-STRAIGHT = 1e-12
+# A mid-node this far from the middle of its edge, as a share of the edge, is rounding and not curvature.
+STRAIGHT = 1e-14
 CHUNK = 50_000
 
 
@@ -30,8 +26,9 @@ def signed_volumes(nodes: NDArray, tets: NDArray) -> NDArray[np.float64]:
     array([0.5])
     """
     volumes = corner_volumes(nodes, tets)
+    points, weights = tet_quadrature(DEGREE_OF_JACOBIAN)
     for rows in in_chunks(curved(nodes, tets)):
-        volumes[rows] = jacobian_determinants(nodes[tets[rows]], CUBIC_POINTS) @ CUBIC_WEIGHTS
+        volumes[rows] = jacobian_determinants(nodes[tets[rows]], points) @ weights
     return volumes
 
 
@@ -50,7 +47,7 @@ def edges_from_first(nodes: NDArray, tets: NDArray) -> list[list[NDArray]]:
 def folded(nodes: NDArray, tets: NDArray) -> NDArray[np.int64]:
     """Indices of tet10 whose det J is not positive at one of its nodes or integration points."""
     rows = curved(nodes, tets)
-    points = np.vstack([NODE_POINTS, CUBIC_POINTS])
+    points = np.vstack([NODE_POINTS, tet_quadrature(DEGREE_OF_JACOBIAN)[0]])
     smallest = [jacobian_determinants(nodes[tets[part]], points).min(axis=1) for part in in_chunks(rows)]
     return rows[np.concatenate([np.zeros(0), *smallest]) <= 0.0]
 
@@ -60,10 +57,11 @@ def curved(nodes: NDArray, tets: NDArray) -> NDArray[np.int64]:
     if tets.shape[1] == 4:
         return np.zeros(0, dtype=np.int64)
     offset = np.zeros(len(tets))
+    digits = 2.0 * np.spacing(np.abs(nodes).max())
     for edge, (start, end) in enumerate(EDGES):
         x, y = nodes[tets[:, start]], nodes[tets[:, end]]
-        bend = np.linalg.norm(nodes[tets[:, 4 + edge]] - (x + y) / 2, axis=1)
-        offset = np.maximum(offset, bend - STRAIGHT * np.linalg.norm(y - x, axis=1))
+        bend = np.abs(nodes[tets[:, 4 + edge]] - (x + y) / 2).max(axis=1)
+        offset = np.maximum(offset, bend - np.maximum(digits, STRAIGHT * np.abs(y - x).max(axis=1)))
     return np.flatnonzero(offset > 0.0)
 
 
@@ -77,19 +75,5 @@ def jacobian_determinants(corners: NDArray, points: NDArray) -> NDArray[np.float
 
     corners : (k, 10, 3)    points : (q, 4)    returns : (k, q)
     """
-    jacobian = np.einsum("qad,kai->kqdi", shape_gradients(points), corners, optimize=True)
+    jacobian = np.einsum("qad,kai->kqdi", quadratic_gradients(points), corners, optimize=True)
     return np.linalg.det(jacobian)
-
-
-def shape_gradients(points: NDArray) -> NDArray[np.float64]:
-    """dN/dξ of the tet10, ξ = (L1, L2, L3), L0 = 1 - ξ1 - ξ2 - ξ3; N_i = L_i (2 L_i - 1), N_ij = 4 L_i L_j.
-
-    points : (q, 4) barycentric    returns : (q, 10, 3)
-    """
-    by_coordinate = np.zeros((len(points), 10, 4))
-    for k in range(4):
-        by_coordinate[:, k, k] = 4 * points[:, k] - 1
-    for edge, (i, j) in enumerate(EDGES):
-        by_coordinate[:, 4 + edge, i] = 4 * points[:, j]
-        by_coordinate[:, 4 + edge, j] = 4 * points[:, i]
-    return by_coordinate[:, :, 1:] - by_coordinate[:, :, :1]

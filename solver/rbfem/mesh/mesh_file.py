@@ -14,6 +14,8 @@ from rbfem.mesh.file_groups import marks_groups, named_groups
 
 MADE_BY_RBFEM_MESH = (".stl", ".step", ".stp", ".iges", ".igs", ".brep", ".geo")
 
+FIRST_ORDER = {"vertex": 1, "line": 2, "triangle": 3, "quad": 4, "tetra": 4, "pyramid": 5, "wedge": 6, "hexahedron": 8}
+
 
 @dataclass(frozen=True)
 class CellBlock:
@@ -125,7 +127,15 @@ def integer_rows(block: Any) -> NDArray[np.int64]:
     rows = np.asarray(block.data)
     if len(rows) and (rows.ndim != 2 or rows.dtype.kind not in "iu"):
         raise ValueError(f"the node numbers of a block of {block.type} are no table of integers")
+    if len(rows) and rows.shape[1] != nodes_of(block.type, rows.shape[1]):
+        raise ValueError(f"cells of kind {block.type} have {rows.shape[1]} nodes each")
     return np.ascontiguousarray(rows.reshape(len(rows), -1) if len(rows) else np.zeros((0, 1)), dtype=np.int64)
+
+
+def nodes_of(kind: str, otherwise: int) -> int:
+    """How many nodes a cell has by the name of its kind: 'wedge' -> 6, 'tetra10' -> 10."""
+    digits = kind[len(kind.rstrip("0123456789")) :]
+    return int(digits) if digits else FIRST_ORDER.get(kind, otherwise)
 
 
 def points_in_space(points: Any) -> NDArray[np.float64]:

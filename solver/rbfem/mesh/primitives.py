@@ -1,6 +1,7 @@
 """Shapes given in words, such as `sphere:radius=0.05` or `box:size=0.1,0.1,0.2`."""
 
 import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from rbfem.errors import InputError
@@ -16,24 +17,48 @@ PRIMITIVES = {
 
 @dataclass(frozen=True)
 class Primitive:
-    """A shape centred at the origin; a cylinder stands along z. values : parameter -> its numbers"""
+    """A shape centred at the origin; a cylinder stands along z.
+
+    kind   : one of `PRIMITIVES`
+    extent : half widths of a box, radii of a sphere or ellipsoid, or radius, radius and half height of a cylinder
+    """
 
     kind: str
-    values: dict[str, tuple[float, ...]]
-
-    @property
-    def largest(self) -> float:
-        return max(max(numbers) for numbers in self.values.values())
+    extent: tuple[float, float, float]
 
     @property
     def volume(self) -> float:
         """In closed form."""
+        return {"box": 8.0, "cylinder": 2.0 * math.pi}.get(self.kind, 4.0 / 3.0 * math.pi) * math.prod(self.extent)
+
+    @property
+    def bounding_radius(self) -> float:
+        """Largest distance of a point from the centre."""
+        a, b, c = self.extent
         if self.kind == "box":
-            return math.prod(self.values["size"])
-        if self.kind == "cylinder":
-            return math.pi * self.values["radius"][0] ** 2 * self.values["height"][0]
-        radii = self.values["radii"] if self.kind == "ellipsoid" else self.values["radius"] * 3
-        return 4.0 / 3.0 * math.pi * math.prod(radii)
+            return math.hypot(a, b, c)
+        return math.hypot(a, c) if self.kind == "cylinder" else max(a, b, c)
+
+    def scaled(self, factor: float) -> "Primitive":
+        """The same shape, every length times a factor."""
+        a, b, c = self.extent
+        return Primitive(self.kind, (factor * a, factor * b, factor * c))
+
+
+def from_sizes(kind: str, sizes: Mapping[str, Sequence[float]]) -> Primitive:
+    """A primitive from its parameters by name, see `PRIMITIVES`.
+
+    >>> from_sizes("cylinder", {"radius": (0.1,), "height": (2.0,)})
+    Primitive(kind='cylinder', extent=(0.1, 0.1, 1.0))
+    """
+    if kind == "box":
+        x, y, z = sizes["size"]
+        return Primitive(kind, (0.5 * x, 0.5 * y, 0.5 * z))
+    if kind == "ellipsoid":
+        a, b, c = sizes["radii"]
+        return Primitive(kind, (a, b, c))
+    (radius,) = sizes["radius"]
+    return Primitive(kind, (radius, radius, 0.5 * sizes["height"][0] if kind == "cylinder" else radius))
 
 
 def is_primitive(source: str) -> bool:
@@ -43,7 +68,7 @@ def is_primitive(source: str) -> bool:
 def parse_primitive(text: str) -> Primitive:
     """
     >>> parse_primitive("cylinder:radius=0.1,height=2")
-    Primitive(kind='cylinder', values={'radius': (0.1,), 'height': (2.0,)})
+    Primitive(kind='cylinder', extent=(0.1, 0.1, 1.0))
 
     raises : InputError for a parameter that is unknown, missing, or not positive.
     """
@@ -62,7 +87,7 @@ def parse_primitive(text: str) -> Primitive:
     numbers = {name: tuple(length(text, word) for word in words) for name, words in values.items()}
     if {name: len(words) for name, words in numbers.items()} != expected:
         raise InputError(f"{text}: expected {usage(kind)}")
-    return Primitive(kind, numbers)
+    return from_sizes(kind, numbers)
 
 
 def length(text: str, word: str) -> float:

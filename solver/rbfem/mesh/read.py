@@ -98,7 +98,7 @@ def with_surfaces(mesh: TetMesh, patches: dict[str, list[NDArray]]) -> TetMesh:
 
 
 def corner_triples(faces: NDArray) -> NDArray[np.int64]:
-    """Every three corners of triangles (k, 3) or quadrilaterals (k, 4): of the latter's four, two are on the boundary."""
+    """Any three corners of triangles (k, 3) or quadrilaterals (k, 4): of the four of the latter two are boundary."""
     if faces.shape[1] == 3:
         return faces
     return faces[:, [[0, 1, 2], [0, 2, 3], [0, 1, 3], [1, 2, 3]]].reshape(-1, 3)
@@ -112,11 +112,12 @@ def surface_warning(name: str, expected: int, found: int) -> str:
 
 def frozen(mesh: TetMesh) -> TetMesh:
     """The mesh with mappings that cannot be written to and arrays of the promised types."""
-    named = {name: MappingProxyType(dict(getattr(mesh, name))) for name in ("groups", "surfaces", "cell_fields")}
     return replace(
         mesh,
         nodes=np.ascontiguousarray(mesh.nodes),
         tets=np.ascontiguousarray(mesh.tets, dtype=np.int64),
+        groups=MappingProxyType(dict(mesh.groups)),
+        surfaces=MappingProxyType(dict(mesh.surfaces)),
+        cell_fields=MappingProxyType(dict(mesh.cell_fields)),
         point_fields=MappingProxyType(dict(mesh.point_fields)),
-        **named,
     )

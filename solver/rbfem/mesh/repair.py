@@ -28,7 +28,7 @@ def repaired(mesh: TetMesh) -> TetMesh:
 
 
 def is_flat(mesh: TetMesh, volumes: NDArray) -> NDArray[np.bool_]:
-    """Whether rounding of the coordinates alone explains the volume: |V| <= 4 ε |x| l², l the longest edge. (n_tets,)"""
+    """Whether rounding of the coordinates explains the volume: |V| <= 4 ε |x| l², l the longest edge. (n_tets,)"""
     nodes = mesh.nodes[used_nodes(mesh)]
     rounding = 4.0 * np.finfo(float).eps * np.abs(nodes).max()
     diagonal = np.linalg.norm(np.ptp(nodes, axis=0))
@@ -99,7 +99,7 @@ def first_equal(points: NDArray) -> NDArray[np.int64]:
     return first
 
 
-def first_near(points: NDArray, distance: float) -> NDArray[np.int64]:
+def first_near(points: NDArray, distance: float | np.floating) -> NDArray[np.int64]:
     """For each point the first of the chain of points that lie within `distance` of each other.
 
     Points are sorted along an odd direction: near points are then near in that order too.

@@ -5,14 +5,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from rbfem.mesh.shape_functions import triangle_quadratic, triangle_quadratic_gradients, triangle_quadrature
 from rbfem.mesh.tet_mesh import TetMesh
 
 # Faces of a positive tet with their normals outward; then the second-order nodes on the edges 01, 12, 20 of the face.
 FACES = np.array([[0, 2, 1, 6, 5, 4], [0, 1, 3, 4, 8, 7], [1, 2, 3, 5, 9, 8], [0, 3, 2, 7, 9, 6]])
 
-# Degree 4 on the triangle, six points (Dunavant, Int. J. Numer. Methods Eng. 21:1129, 1985): x · (x_ξ × x_η) of a
-# six-node triangle is of degree 4. Weights add up to 1.
-QUARTIC = ((0.445948490915965, 0.223381589678011), (0.091576213509771, 0.109951743655322))
+DEGREE_OF_FLUX = 4  # x · (x_ξ × x_η) of a six-node triangle
 
 
 @dataclass(frozen=True)
@@ -104,19 +103,8 @@ def enclosed_volume(nodes: NDArray, triangles: NDArray) -> float:
     used = used - (used.min(axis=(0, 1)) + used.max(axis=(0, 1))) / 2
     if triangles.shape[1] == 3:
         return float(np.einsum("ki,ki->", used[:, 0], np.cross(used[:, 1], used[:, 2]))) / 6.0
-    total = 0.0
-    for a, weight in QUARTIC:
-        for at in np.full((3, 3), a) + (1 - 3 * a) * np.eye(3):
-            x, along, across = (np.einsum("a,kai->ki", row, used) for row in triangle6(at))
-            total += weight / 2 * float(np.einsum("ki,ki->", x, np.cross(along, across))) / 3.0
-    return total
-
-
-def triangle6(at: NDArray) -> tuple[NDArray, NDArray, NDArray]:
-    """N, dN/dξ, dN/dη of the six-node triangle at barycentric (1 - ξ - η, ξ, η). each : (6,)"""
-    p, q, r = at
-    values = np.array([p * (2 * p - 1), q * (2 * q - 1), r * (2 * r - 1), 4 * p * q, 4 * q * r, 4 * r * p])
-    by_p = np.array([4 * p - 1, 0, 0, 4 * q, 0, 4 * r])
-    by_q = np.array([0, 4 * q - 1, 0, 4 * p, 4 * r, 0])
-    by_r = np.array([0, 0, 4 * r - 1, 0, 4 * q, 4 * p])
-    return values, by_q - by_p, by_r - by_p
+    points, weights = triangle_quadrature(DEGREE_OF_FLUX)
+    at = np.einsum("qa,kai->kqi", triangle_quadratic(points), used, optimize=True)
+    tangents = np.einsum("qad,kai->kqdi", triangle_quadratic_gradients(points), used, optimize=True)
+    flux = np.einsum("kqi,kqi->q", at, np.cross(tangents[..., 0, :], tangents[..., 1, :]))
+    return float(flux @ weights) / 3.0

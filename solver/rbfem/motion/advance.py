@@ -5,12 +5,10 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from rbfem.compute.loops import loop, parallel_range
-from rbfem.motion import quaternion
+from rbfem.compute.loops import parallel_range
 from rbfem.motion.coasting import coast
 from rbfem.motion.euler_equations import quaternion_rate_world, rotation_rates
 from rbfem.motion.loads import add_loads, to_world
-from rbfem.motion.methods import METHODS
 from rbfem.motion.model import (
     ANGULAR_IMPULSE,
     IMPULSE,
@@ -23,11 +21,6 @@ from rbfem.motion.model import (
     TRANSLATING,
     VELOCITY,
     WORK,
-    Bodies,
-    Islands,
-    Loads,
-    Scratch,
-    scratch_for,
 )
 from rbfem.motion.rotation import cross, rotate_back
 
@@ -48,8 +41,10 @@ def advance(state, ledger, t, dt, n_steps, nodes, weights, flags, bodies, loads,
             coast(islands.member[first], dt, n_steps, nodes, weights, flags, state, bodies, gravity)
         else:
             for s in range(n_steps):
-                time = t + s * dt
-                take_step(first, last, time, dt, nodes, weights, flags, state, ledger, bodies, loads, islands, gravity, scratch)
+                now = t + s * dt
+                take_step(
+                    first, last, now, dt, nodes, weights, flags, state, ledger, bodies, loads, islands, gravity, scratch
+                )
 
 
 def take_step(first, last, t, dt, nodes, weights, flags, state, ledger, bodies, loads, islands, gravity, scratch):

@@ -35,8 +35,8 @@ def ramp_factor(t, first, last, times, factors):
 def spring_damper(dx, dy, dz, ux, uy, uz, stiffness, damping, rest_length):
     """Force on the near end of a spring with a dashpot in line with it.
 
-    F = (k (l - L0) + c l̇) e,  e = d/l, with d (m) from the near to the far end and u = ḋ (m/s). At l = 0 the line has no
-    direction: the spring gives no force there and the dashpot acts on all of u.
+    F = (k (l - L0) + c l̇) e,  e = d/l, with d (m) from the near to the far end and u = ḋ (m/s). At l = 0 the line has
+    no direction: the spring gives no force there and the dashpot acts on all of u.
 
     returns : fx, fy, fz (N), then the dashpot's share of it
 

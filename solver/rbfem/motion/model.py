@@ -25,7 +25,8 @@ class Bodies(NamedTuple):
     """model (n,) int64; mass (n,) kg; inverse_mass (n,) 1/kg, zero where the reference point cannot move;
     inverse_moments (n, 3) 1/(kg m^2), of the principal moments about the reference point; arm (n, 3) m, reference point
     to centre of mass in principal axes; first_load (n + 1,) rows of the load table that act on each body; is_pushed
-    (n,) int64, whether anything but gravity at its centre of mass acts on it: only then it has a wrench and a ledger."""
+    (n,) int64, whether anything but gravity at its centre of mass acts on it: only then has it a wrench and a ledger.
+    """
 
     model: NDArray[np.int64]
     mass: NDArray[np.float64]
@@ -62,8 +63,8 @@ class Loads(NamedTuple):
 
 
 class Scratch(NamedTuple):
-    """Working memory of a step: stage, rate, weighted sum of rates and wrench of each body (n, 13), its angular velocity
-    in world axes (n, 3), rate and weighted sum of its ledger (n, 7)."""
+    """Working memory of a step: stage, rate, weighted sum of rates and wrench of each body (n, 13), its angular
+    velocity in world axes (n, 3), rate and weighted sum of its ledger (n, 7)."""
 
     stage: NDArray[np.float64]
     rate: NDArray[np.float64]

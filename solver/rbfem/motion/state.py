@@ -54,8 +54,10 @@ def move(state: State, dt: float, n_steps: int, method: str, system: System, bac
     row = METHODS[method]
     stacked = _stack(state, row, system)
     ledger = state.ledger.copy()
-    scratch = scratch_for(len(stacked))
-    scratch.stage[:] = stacked
+    needs_scratch = system.bodies.is_pushed.any()  # bodies that coast are moved in local numbers
+    scratch = scratch_for(len(stacked) if needs_scratch else 0)
+    if needs_scratch:
+        scratch.stage[:] = stacked
     loop(advance, backend)(
         stacked,
         ledger,

@@ -8,12 +8,12 @@ from numpy.typing import NDArray
 
 from rbfem.motion import loads as kinds
 from rbfem.motion import quaternion
-from rbfem.motion.model import FIXED, TRANSLATING, Islands
+from rbfem.motion.model import FIXED, TRANSLATING, Islands, Loads
 from rbfem.scene.scene import Scene
 
 Array = NDArray[np.float64]
 
-DENSE_BODIES = 200  # above, the largest eigenvalue of an island comes from Lanczos instead of a dense solver
+DENSE_BODIES = 50  # above, Lanczos finds the largest eigenvalue of an island sooner than a dense solver
 
 
 @dataclass(frozen=True)
@@ -27,8 +27,8 @@ class Frequencies:
 
     @property
     def step_limit(self) -> float:
-        """Longest stable step: 2/(√(ω² + β²) + β), which is 2/ω_max without damping; and 2/spin. Infinite if nothing moves
-        so. With ζ = β/ω the first is 2 (√(1 + ζ²) - ζ)/ω, the limit of an explicit step with a dashpot."""
+        """Longest stable step: 2/(√(ω² + β²) + β), which is 2/ω_max without damping; and 2/spin. Infinite where
+        nothing moves so. With ζ = β/ω the first is 2 (√(1 + ζ²) - ζ)/ω: that of an explicit step with a dashpot."""
         damped = np.hypot(self.oscillation, self.decay) + self.decay
         fastest = max(float(damped), self.spin)
         return 2.0 / fastest if fastest > 0.0 else np.inf
@@ -38,7 +38,8 @@ def frequencies(scene: Scene, models: NDArray[np.int64], islands: Islands) -> Fr
     """Frequencies of the scene as it stands at the start.
 
     Each spring counts with its stiffness in every direction and with its lever arms, ω² = k (1/m + (r×n)·I⁻¹(r×n)); a
-    weight or force of size f on an arm a counts as the rotational stiffness f a.
+    weight or force of size f on an arm a counts with the rotational stiffness it has when it pulls along the arm, which
+    is the largest: f a across the arm, and none about it. So does the pull of a spring on its lever, as at the start.
     """
     scale = _inverse_root_mass(scene, models)
     found: dict[bytes, tuple[float, float]] = {}
@@ -76,9 +77,10 @@ def _fingerprint(scene: Scene, members: NDArray[np.int64], models: NDArray[np.in
     body = int(members[0])
     rows = slice(scene.first_load[body], scene.first_load[body + 1])
     values = scene.loads.values[rows].copy()
-    values[scene.loads.kind[rows] == kinds.SPRING, 3:6] = 0.0
+    for row in np.flatnonzero(scene.loads.kind[rows] == kinds.SPRING):
+        values[row, 3:6] = (_tension(scene, rows.start + row, body), 0.0, 0.0)  # all that the far end matters for
     size = bytes([int(models[body])]) + scene.part_of[body].tobytes() + scene.reference.offset[body].tobytes()
-    return size + scene.loads.kind[rows].tobytes() + values.tobytes()
+    return size + scene.loads.kind[rows].tobytes() + scene.loads.ramp[rows].tobytes() + values.tobytes()
 
 
 def _fastest(scene: Scene, members: NDArray[np.int64], scale: Array) -> tuple[float, float]:
@@ -93,13 +95,16 @@ def _fastest(scene: Scene, members: NDArray[np.int64], scale: Array) -> tuple[fl
                 damping.append(c)
         if scene.is_held[body]:
             weight = scene.mass[body] * np.linalg.norm(scene.gravity)
-            columns.append({place[body]: np.diag(scale[body])[3:]})
-            stiffness.append(weight * float(np.linalg.norm(scene.reference.arm[body])))
+            arm = scene.reference.arm[body]
+            columns.append({place[body]: _swing_rows(body, arm, scale)})
+            stiffness.append(weight * _length(arm))
             damping.append(0.0)
     return _largest(columns, stiffness, len(members)), _largest(columns, damping, len(members))
 
 
-def _terms(scene: Scene, row: int, body: int, place: dict[int, int], scale: Array) -> Iterator[tuple[dict, float, float]]:
+def _terms(
+    scene: Scene, row: int, body: int, place: dict[int, int], scale: Array
+) -> Iterator[tuple[dict, float, float]]:
     """What a load adds: rows (3, 6) by body, already scaled by M^-½, with a stiffness and a damping."""
     kind, values = scene.loads.kind[row], scene.loads.values[row]
     if kind == kinds.SPRING:
@@ -110,12 +115,29 @@ def _terms(scene: Scene, row: int, body: int, place: dict[int, int], scale: Arra
             block[place[other]] = -_lever_rows(scene, other, values[3:6], scale)
             share = 0.5  # the far body's row of the table brings the other half
         yield block, share * values[6], share * values[7]
+        pull = _tension(scene, row, body)
+        yield {place[body]: _swing_rows(body, values[0:3], scale)}, pull * _length(values[0:3]), 0.0
     elif kind == kinds.FORCE:
-        largest = _largest_factor(scene, row)
-        yield {place[body]: np.diag(scale[body])[3:]}, largest * float(_length(values[0:3]) * _length(values[3:6])), 0.0
+        arm = values[3:6]
+        force = float(_largest_factor(scene.loads, scene.loads.ramp[row])) * _length(values[0:3])
+        yield {place[body]: _swing_rows(body, arm, scale)}, force * _length(arm), 0.0
     elif kind == kinds.DRAG:
         yield {place[body]: _lever_rows(scene, body, scene.reference.arm[body], scale)}, 0.0, float(values[0])
         yield {place[body]: np.diag(scale[body])[3:]}, 0.0, float(values[1])
+
+
+def _tension(scene: Scene, row: int, body: int) -> float:
+    """Size of the force of a spring as it stands at the start, N."""
+    values, other = scene.loads.values[row], int(scene.loads.other[row])
+    far = values[3:6] if other < 0 else _lever_point(scene, other, values[3:6])
+    length = _length(far - _lever_point(scene, body, values[0:3]))
+    return float(values[6]) * abs(length - float(values[8]))
+
+
+def _lever_point(scene: Scene, body: int, lever: Array) -> Array:
+    """World position of a lever (reference point, principal axes) at the start."""
+    from_center = scene.reference.offset[body] + quaternion.rotate(scene.reference.quaternion[body], lever)
+    return scene.position[body] + quaternion.rotate(scene.quaternion[body], from_center)
 
 
 def _lever_rows(scene: Scene, body: int, lever: Array, scale: Array) -> Array:
@@ -123,6 +145,13 @@ def _lever_rows(scene: Scene, body: int, lever: Array, scale: Array) -> Array:
     to_world = quaternion.to_matrix(quaternion.product(scene.quaternion[body], scene.reference.quaternion[body]))
     turning = to_world @ np.cross(np.eye(3), lever).T
     return np.hstack([np.eye(3), turning]) * scale[body]
+
+
+def _swing_rows(body: int, arm: Array, scale: Array) -> Array:
+    """M^-½ and then the turning across an arm: BᵀB = E - â âᵀ, (3, 6)."""
+    length = _length(arm)
+    across = np.cross(np.eye(3), arm / length) if length > 0.0 else np.zeros((3, 3))
+    return np.hstack([np.zeros((3, 3)), across]) * scale[body]
 
 
 def _largest(columns: list[dict[int, Array]], weights: list[float], n_bodies: int) -> float:
@@ -152,27 +181,30 @@ def _largest_sparse(columns: list[dict[int, Array]], weights: list[float], n_bod
     ]
     rows, cols, values = zip(*entries, strict=True)
     root = coo_array((values, (rows, cols)), shape=(3 * len(columns), 6 * n_bodies)).tocsr()
-    return float(eigsh(root.T @ root, k=1, which="LA", return_eigenvectors=False, tol=1e-4)[0]) * (1.0 + 1e-4)
+    start = np.random.default_rng(0).normal(size=6 * n_bodies)  # the same every time, so that a plan is too
+    largest = eigsh(root.T @ root, k=1, which="LA", v0=start, return_eigenvectors=False, tol=1e-4)[0]
+    return float(largest) * (1.0 + 1e-4)
 
 
 def _fastest_spin(scene: Scene, models: NDArray[np.int64]) -> float:
-    turns = models > TRANSLATING
-    spin = np.where(turns, np.linalg.norm(scene.angular_velocity, axis=1), 0.0)
+    spin = np.linalg.norm(scene.angular_velocity, axis=1)
+    kind, values = scene.loads.kind, scene.loads.values
+    torque = np.where((kind == kinds.COUPLE)[:, None], values[:, 0:3], values[:, 3:6])
+    lasting = np.where((kind == kinds.COUPLE) | (kind == kinds.WRENCH), np.linalg.norm(torque, axis=1), 0.0)
     owners = np.repeat(np.arange(scene.n_bodies), np.diff(scene.first_load))
-    for row, (body, kind) in enumerate(zip(owners, scene.loads.kind, strict=True)):
-        if kind in (kinds.COUPLE, kinds.WRENCH) and turns[body]:
-            torque = scene.loads.values[row, 0:3] if kind == kinds.COUPLE else scene.loads.values[row, 3:6]
-            reach = _largest_factor(scene, row) * _length(torque) * scene.end_time
-            spin[body] += reach / scene.reference.moments[body, 0]
-    return float(spin.max(initial=0.0))
+    reach = (
+        _largest_factor(scene.loads, scene.loads.ramp) * lasting * scene.end_time / scene.reference.moments[owners, 0]
+    )
+    np.add.at(spin, owners, reach)
+    return float(spin[models > TRANSLATING].max(initial=0.0))
 
 
-def _largest_factor(scene: Scene, row: int) -> float:
-    ramp = int(scene.loads.ramp[row])
-    if ramp < 0:
-        return 1.0
-    span = slice(scene.loads.ramp_first[ramp], scene.loads.ramp_first[ramp + 1])
-    return float(np.abs(scene.loads.ramp_factor[span]).max())
+def _largest_factor(loads: Loads, ramp: NDArray[np.int64]) -> Array:
+    """The largest size that each of these ramps reaches; 1 for -1, no ramp."""
+    if len(loads.ramp_factor) == 0:
+        return np.ones(np.shape(ramp))
+    largest = np.maximum.reduceat(np.abs(loads.ramp_factor), loads.ramp_first[:-1])
+    return np.where(ramp >= 0, largest[ramp], 1.0)
 
 
 def _length(vector: Array) -> float:

@@ -15,6 +15,9 @@ REASONS = {
     RIGID: "it spins or is turned, and its principal moments differ: the full tensor with the gyroscopic term",
 }
 HELD = "; held at its pivot, it keeps three degrees of freedom and the moments are about the pivot"
+HELD_AT_REST = (
+    "held at its pivot, it does not spin at the start and no torque about the pivot can act: it stays at rest"
+)
 NAMES_SHOWN = 5
 
 
@@ -37,9 +40,15 @@ def model_choices(scene: Scene, models: NDArray[np.int64]) -> tuple[ModelChoice,
             members = np.flatnonzero((models == model) & (scene.is_held == held))
             if len(members):
                 names = tuple(scene.names[body] for body in members[:NAMES_SHOWN])
-                reason = REASONS[model] + (HELD if held else "")
+                reason = _reason(model, held)
                 choices.append(ModelChoice(MODEL_NAMES[model], _ranges(members), len(members), names, reason))
     return tuple(choices)
+
+
+def _reason(model: int, held: bool) -> str:
+    if not held or model == FIXED:
+        return REASONS[model]
+    return HELD_AT_REST if model == TRANSLATING else REASONS[model] + HELD
 
 
 def models_of(choices: tuple[ModelChoice, ...], n_bodies: int) -> NDArray[np.int64]:

@@ -46,6 +46,7 @@ class Plan:
     verify     : whether a companion run at twice the step estimates the error
     backend    : "python", "serial" or "parallel", see `rbfem.compute.loops`
     output     : what is written
+    accuracy   : the error the user accepts
     left_out   : what the scene's owner might have expected and will not find
     """
 
@@ -59,6 +60,7 @@ class Plan:
     verify: Choice
     backend: Choice
     output: Choice
+    accuracy: float
     left_out: tuple[str, ...]
 
     def to_dict(self) -> dict[str, Any]:
@@ -70,14 +72,12 @@ class Plan:
         """The plan that `to_dict` wrote, also after a way through JSON.
 
         >>> choice = Choice(1, "because")
-        >>> plan = Plan("x", 0, (), *[choice] * 7, ())
+        >>> plan = Plan("x", 0, (), *[choice] * 7, 1e-3, ())
         >>> Plan.from_dict(plan.to_dict()) == plan
         True
         """
         models = tuple(
-            ModelChoice(
-                **{**one, "bodies": tuple(tuple(span) for span in one["bodies"]), "names": tuple(one["names"])}
-            )
+            ModelChoice(**{**one, "bodies": tuple(tuple(span) for span in one["bodies"]), "names": tuple(one["names"])})
             for one in data["models"]
         )
         choices = {key: Choice(**value) for key, value in data.items() if isinstance(value, dict)}

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from rbfem.compute.loops import clear_of_numba, is_cached
 from rbfem.errors import InputError
+from rbfem.motion.advance import advance
 from rbfem.motion.methods import METHODS
 from rbfem.motion.model import FIXED
 from rbfem.planning.frequencies import Frequencies, frequencies
@@ -25,8 +26,8 @@ STEPS_WITHOUT_LIMIT = {4: 1, 1: 1000}
 
 # Seconds of a step and of a start, for choosing the backend (docs/motion.md has the measurement). The rest of a step is
 # the same for all bodies, so only ratios matter.
-PYTHON_STEP, PYTHON_PUSHED_STEP = 10e-6, 90e-6
-KERNEL_STEP, KERNEL_PUSHED_STEP = 60e-9, 400e-9
+PYTHON_STEP, PYTHON_PUSHED_STEP = 10e-6, 270e-6
+KERNEL_STEP, KERNEL_PUSHED_STEP = 60e-9, 450e-9
 NUMBA_START, COMPILATION, PARALLEL_START = 1.0, 12.0, 1.0
 BODIES_A_THREAD = 2000
 
@@ -69,6 +70,7 @@ def plan(scene: Scene, beyond_limit: bool = False) -> Plan:
         verify=verify,
         backend=_backend(scene, models, float(step.value), len(islands.first) - 1),
         output=_output(scene),
+        accuracy=scene.accuracy,
         left_out=_left_out(scene, models),
     )
 
@@ -78,13 +80,15 @@ def _method(scene: Scene) -> Choice:
         return Choice(
             "rk4",
             "auto: the only method of the table that is of fourth order and keeps the quaternion a rotation",
-            METHODS["rk4"].summary,
+            "order 4",
             "4 evaluations of the loads a step",
         )
     if scene.method not in METHODS:
         near = difflib.get_close_matches(scene.method, METHODS, n=1)
         hint = f"; did you mean '{near[0]}'?" if near else ""
-        raise InputError(f"time.method: no method '{scene.method}'{hint} The methods are {', '.join(METHODS)}.")
+        raise InputError(
+            f"{scene.where('time.method')}: time.method: no method '{scene.method}'{hint} (known: {', '.join(METHODS)})"
+        )
     row = METHODS[scene.method]
     grows = "" if row.oscillation_limit else "; an oscillation gains energy at every step size"
     evaluations = f"{row.evaluations} evaluation{'s' if row.evaluations > 1 else ''} of the loads a step"
@@ -108,8 +112,10 @@ def _step(scene: Scene, fastest: Frequencies, method: str, beyond_limit: bool) -
     limit, order = fastest.step_limit, METHODS[method].order
     if scene.step is not None:
         if scene.step > limit:
-            _refuse_beyond(scene.step, limit, beyond_limit)
-            return Choice(scene.step, f"asked for, and beyond the limit of {limit:.6g} s on purpose", "may grow without bound")
+            _refuse_beyond(scene, limit, beyond_limit)
+            return Choice(
+                scene.step, f"asked for, and beyond the limit of {limit:.6g} s on purpose", "may grow without bound"
+            )
         return Choice(scene.step, f"asked for; {_share(scene.step, limit)}", "see error.parts.motion in the report")
     if np.isinf(limit):
         step = scene.output_interval / STEPS_WITHOUT_LIMIT[order]
@@ -119,11 +125,12 @@ def _step(scene: Scene, fastest: Frequencies, method: str, beyond_limit: bool) -
     return Choice(step, reason, "see error.parts.motion in the report")
 
 
-def _refuse_beyond(step: float, limit: float, beyond_limit: bool) -> None:
+def _refuse_beyond(scene: Scene, limit: float, beyond_limit: bool) -> None:
     if not beyond_limit:
         raise InputError(
-            f"time.step: {step:.6g} s read, but the limit of this scene is {limit:.6g} s (2/ω_max, see `rbfem plan` with "
-            "step: auto); a longer step makes an oscillation grow. Use `step: auto`, or --beyond-limit to go on regardless"
+            f"{scene.where('time.step')}: time.step: {scene.step:.6g} s read, but the limit of this scene is "
+            f"{limit:.6g} s (2/ω_max; `rbfem plan --beyond-limit` says what swings, is damped or spins): a longer step "
+            "makes an oscillation grow. Use `step: auto`, or --beyond-limit to go on regardless"
         )
 
 
@@ -136,12 +143,10 @@ def _backend(scene: Scene, models: NDArray[np.int64], step: float, n_islands: in
     is_pushed = pushed(scene) & moving
     steps = 1.5 * total_steps(scene, step)  # the companion run is the half
     work = Work(steps * float(np.count_nonzero(moving & ~is_pushed)), steps * float(np.count_nonzero(is_pushed)))
-    start = (NUMBA_START if clear_of_numba() else 0.0) + (0.0 if is_cached() else COMPILATION)
-    seconds = {
-        "python": work.seconds("python"),
-        "serial": start + work.seconds("serial"),
-        "parallel": start + work.seconds("parallel"),
-    }
+    seconds = {"python": work.seconds("python")}
+    for kernel in ("serial", "parallel"):
+        start = (NUMBA_START if clear_of_numba() else 0.0) + (0.0 if is_cached(advance, kernel) else COMPILATION)
+        seconds[kernel] = start + work.seconds(kernel)
     candidates = ["python", "serial"]
     if n_islands >= 2 * BODIES_A_THREAD and (os.cpu_count() or 1) > 1:
         candidates.append("parallel")

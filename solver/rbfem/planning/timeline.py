@@ -1,6 +1,7 @@
 """When a run stops to look: at outputs, at breakpoints of ramps and where something is expected."""
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,10 +24,10 @@ class Stop:
 def output_times(scene: Scene) -> Array:
     """0, then every output interval, and the end."""
     count = int(np.floor(scene.end_time / scene.output_interval + NEAR))
-    times = scene.output_interval * np.arange(count + 1)
-    if scene.end_time - times[-1] > NEAR * scene.output_interval:
+    times: Array = scene.output_interval * np.arange(count + 1, dtype=np.float64)
+    if count == 0 or scene.end_time - times[-1] > NEAR * scene.output_interval:
         return np.append(times, scene.end_time)
-    times[-1] = scene.end_time if count else 0.0
+    times[-1] = scene.end_time
     return times
 
 
@@ -59,4 +60,4 @@ def steps_between(start: float, end: float, step: float) -> int:
 def total_steps(scene: Scene, step: float) -> int:
     """Steps of the whole run."""
     times = [0.0, *(stop.time for stop in stops(scene))]
-    return int(sum(steps_between(a, b, step) for a, b in zip(times[:-1], times[1:], strict=True)))
+    return int(sum(steps_between(a, b, step) for a, b in pairwise(times)))

@@ -3,7 +3,6 @@
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rbfem.results.vtk_file import grid_of_cells, named_array, set_points, write_grid
 from rbfem.scene.scene import Scene
@@ -21,7 +20,7 @@ class BodiesGrid:
     """
 
     def __init__(self, scene: Scene):
-        n_bodies = len(scene.names)
+        n_bodies = scene.n_bodies
         ones = np.ones(n_bodies, int)
         self._grid = grid_of_cells(np.arange(n_bodies), ones, VERTEX * ones)
         self._position = np.zeros((n_bodies, 3))
@@ -54,10 +53,6 @@ class BodiesGrid:
         data = self._grid.GetPointData()
         for name, values in self._changing.items():
             data.AddArray(named_array(name, values, tuple("wxyz") if name == "quaternion" else ()))
-        data.AddArray(named_array("body", np.arange(len(scene.names), dtype=np.int32)))
-        data.AddArray(named_array("mass", _of_each_body(scene, "mass")))
-        data.AddArray(named_array("radius", _of_each_body(scene, "bounding_radius")))
-
-
-def _of_each_body(scene: Scene, name: str) -> NDArray[np.float64]:
-    return np.array([getattr(part, name) for part in scene.parts])[scene.part_of]
+        data.AddArray(named_array("body", np.arange(scene.n_bodies, dtype=np.int32)))
+        data.AddArray(named_array("mass", scene.mass))
+        data.AddArray(named_array("radius", scene.bounding_radius))

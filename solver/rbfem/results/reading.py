@@ -1,12 +1,14 @@
 """A written series read back: its times, and a frame of it."""
 
+import os
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
 from rbfem.errors import InputError
-from rbfem.results.vtk_file import is_complete
+
+END_OF_VTU = b"</VTKFile>\n"
 
 
 @dataclass(frozen=True)
@@ -24,7 +26,7 @@ class Series:
 
 
 def find_series(directory: Path) -> Series:
-    """The series that `rbfem run` wrote to `directory`. Raises InputError if there is none, more than one, or no frame."""
+    """The series that `rbfem run` wrote to `directory`. Raises InputError unless it is one, of one frame at least."""
     if not directory.is_dir():
         raise InputError(f"{directory}: no such folder; give the folder that `rbfem run` wrote its results to")
     names = [path.stem for path in sorted(directory.glob("*.pvd")) if path.with_stem(f"{path.stem}_bodies").exists()]
@@ -55,7 +57,7 @@ def read_pvd(path: Path) -> tuple[tuple[float, ...], tuple[Path, ...]]:
 
 
 def read_vtu(path: Path) -> Any:
-    """A .vtu as VTK's reader gives it, a vtkUnstructuredGrid. Raises InputError if it is missing, foreign or cut off."""
+    """A .vtu as a vtkUnstructuredGrid. Raises InputError if it is missing, foreign or cut off."""
     from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridReader
 
     reader = vtkXMLUnstructuredGridReader()
@@ -66,3 +68,10 @@ def read_vtu(path: Path) -> Any:
     reader.SetFileName(str(path))
     reader.Update()
     return reader.GetOutput()
+
+
+def is_complete(path: Path) -> bool:
+    """Does the file end as VTK's XML files do? One that was cut off does not."""
+    with path.open("rb") as file:
+        file.seek(-min(len(END_OF_VTU), path.stat().st_size), os.SEEK_END)
+        return file.read() == END_OF_VTU

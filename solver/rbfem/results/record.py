@@ -17,15 +17,15 @@ def record(scene: Scene, plan: Plan, directory: Path, clock: Clock, show: Callab
     """Run a scene and write the series and report.json to a directory; returns the report.
 
     show : called with every frame once it is written
-    Raises InputError before the run if the directory cannot be written to; RunError if the run fails or the disk is full.
-    Then, and when interrupted, the series up to there is readable and the report says where the run ended.
+    Raises InputError before the run if the directory cannot be written to; RunError if the run fails or the disk is
+    full. Then, and when interrupted, the series up to there is readable and the report says where the run ended.
     """
     run = simulate(scene, plan)
     with SeriesWriter(scene, directory) as series:
         try:
             _write_frames(run, series, clock, show)
         except (KeyboardInterrupt, RunError) as ended:
-            run.warnings.append(f"the run ended before its time: {ended or 'interrupted'}")
+            run.warnings.append(f"the run ended before its time: {str(ended) or 'interrupted'}")
             _report_what_there_is(run, directory, clock)
             raise
     report = make_report(run, clock)

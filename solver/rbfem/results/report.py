@@ -59,7 +59,8 @@ def write_report(report: dict[str, Any], directory: Path) -> None:
 
 def _error(run: Run) -> dict[str, Any]:
     motion = run.error
-    how = f"Richardson: the largest difference from a companion run at twice the step, over 2^{motion.order} - 1"
+    richardson = f"Richardson: the largest difference from a companion run at twice the step, over 2^{motion.order} - 1"
+    how = motion.unknown_because or richardson
     parts = {
         "motion": {
             "estimated": motion.estimated,

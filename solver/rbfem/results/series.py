@@ -1,7 +1,6 @@
 """The time series of a run, readable at every instant: NAME.pvd, NAME_bodies.pvd, NAME.csv and their frames."""
 
 import re
-from contextlib import suppress
 from pathlib import Path
 from types import TracebackType
 from typing import Self
@@ -43,7 +42,10 @@ class SeriesWriter:
         remove_earlier_run(scene.name, directory)
         self._name = scene.name
         self._directory = directory
-        self._grids = {scene.name: SceneGrid(scene), f"{scene.name}_bodies": BodiesGrid(scene)}
+        self._grids: dict[str, SceneGrid | BodiesGrid] = {
+            scene.name: SceneGrid(scene),
+            f"{scene.name}_bodies": BodiesGrid(scene),
+        }
         self._lists = {name: GrowingFile(directory / f"{name}.pvd", PVD_HEAD, PVD_TAIL) for name in self._grids}
         self._table = TableWriter(scene, directory / f"{scene.name}.csv")
 
@@ -58,16 +60,20 @@ class SeriesWriter:
 
     def close(self) -> None:
         """Bring the .pvd and .csv files up to date. Raises RunError."""
-        for file in (*self._lists.values(), self._table):
-            file.close()
+        for pvd in self._lists.values():
+            pvd.close()
+        self._table.close()
 
     def __enter__(self) -> Self:
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None):
         """Close; an error of closing must not hide the one that ended the run."""
-        with suppress(RunError) if kind else suppress():
+        try:
             self.close()
+        except RunError:
+            if kind is None:
+                raise
 
 
 def remove_earlier_run(name: str, directory: Path) -> None:

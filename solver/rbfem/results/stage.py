@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from rbfem.results.reading import Series, read_vtu
 
-# Ten quiet colours that can be told apart, also in grey and by most of the colour-blind; more bodies are coloured by speed.
+# Ten colours that can be told apart, by most of the colour-blind too; where they do not suffice, speed is shown.
 PALETTE = ("#4477aa", "#ee7733", "#228833", "#ccbb44", "#aa3377", "#66ccee", "#bb5566", "#7a6f9b", "#999933", "#5f6b6d")
 SPEEDS = "viridis"
 INK = "#303338"
@@ -53,7 +53,7 @@ SPEED_BAR = {
 class Stage:
     """A plotter whose camera and colours stay the same for all frames of a series, so that pictures can be compared.
 
-    `chosen` are the frames that camera, speeds and paths are taken from: few of them, whatever the length of the series.
+    `chosen` are the frames that camera, speeds and paths are taken from: few, however long the series is.
     """
 
     def __init__(self, series: Series, chosen: list[int], size: tuple[int, int]):
@@ -83,7 +83,12 @@ class Stage:
     def _add_parts(self, surface: Any) -> None:
         if self._colors is None and "velocity" in surface.point_data:
             surface["speed"] = np.linalg.norm(surface["velocity"], axis=1)
-            look = {"scalars": "speed", "cmap": SPEEDS, "clim": (0.0, self._fastest), "scalar_bar_args": SPEED_BAR}
+            look: dict[str, Any] = {
+                "scalars": "speed",
+                "cmap": SPEEDS,
+                "clim": (0.0, self._fastest),
+                "scalar_bar_args": SPEED_BAR,
+            }
         else:
             surface.cell_data["color"] = _cell_colors(surface, self._colors)
             look = {"scalars": "color", "rgb": True}
@@ -116,7 +121,7 @@ def round_length(length: float) -> float:
 
 
 def _empty_plotter(size: tuple[int, int]) -> Any:
-    plotter = pyvista.Plotter(off_screen=True, window_size=list(size), lighting="three lights")
+    plotter: Any = pyvista.Plotter(off_screen=True, window_size=list(size), lighting="three lights")
     plotter.set_background("white")
     plotter.enable_anti_aliasing("ssaa")
     plotter.add_axes(line_width=3, color=INK, viewport=(0.0, 0.0, 0.14, 0.14 * size[0] / size[1]))

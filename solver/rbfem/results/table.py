@@ -29,7 +29,7 @@ def column_names(scene: Scene) -> list[str]:
 
 
 def has_bodies(scene: Scene) -> bool:
-    return len(scene.names) <= MOST_BODIES
+    return scene.n_bodies <= MOST_BODIES
 
 
 def row_values(frame: Frame, with_bodies: bool) -> Iterator[float]:

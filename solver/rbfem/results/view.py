@@ -61,7 +61,7 @@ def require_drawing() -> None:
     trial = subprocess.run([sys.executable, "-c", TRIAL], capture_output=True, check=False)
     if trial.returncode != 0:
         raise MissingLibraryError(
-            f"this computer cannot draw: OpenGL without a screen (libEGL) is missing or does not work; install it: {INSTALL}"
+            f"this computer cannot draw: OpenGL without a screen (libEGL) is missing or broken; install it: {INSTALL}"
         )
 
 

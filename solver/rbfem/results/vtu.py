@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
-from rbfem.motion.quaternion import to_matrix
+from rbfem.motion.quaternion import rotate
 from rbfem.results.vtk_file import grid_of_cells, name_list, named_array, set_points, write_grid
 from rbfem.scene.scene import Part, Scene
 from rbfem.simulation.frame import Frame
@@ -82,7 +82,7 @@ class SceneGrid:
         has_density = "density" in scene.output_fields
         shapes = [shape_of(part, has_density) for part in scene.parts]
         self._has_velocity = "velocity" in scene.output_fields
-        self._radii = np.array([part.bounding_radius for part in scene.parts])[scene.part_of]
+        self._radii = scene.bounding_radius
         self._copies = _place_copies(shapes, scene.part_of)
         self._grid = _make_cells(shapes, self._copies, has_density)
         self._time = np.zeros(1)
@@ -96,11 +96,11 @@ class SceneGrid:
         """
         if self._points.dtype == np.float32 and point_type(frame.position, self._radii) is np.float64:
             self._use_type(np.float64)
-        rotation = to_matrix(frame.quaternion)
-        _map_points(self._points, self._copies, rotation, frame.position)
+        axes = rotate(frame.quaternion[:, None, :], np.eye(3))
+        _map_points(self._points, self._copies, axes, frame.position)
         if self._has_velocity:
-            spin = np.cross(frame.angular_velocity[:, None, :], rotation, axisb=1)
-            _map_points(self._velocity, self._copies, np.swapaxes(spin, 1, 2), frame.velocity)
+            rates = np.cross(frame.angular_velocity[:, None, :], axes)
+            _map_points(self._velocity, self._copies, rates, frame.velocity)
         self._time[0] = frame.time
         self._mark_as_new()
 
@@ -166,12 +166,13 @@ def _connectivity(shape: Shape, copies: Copies) -> NDArray[np.int64]:
     return (first[:, None, None] + shape.cells).ravel()
 
 
-def _map_points(target: NDArray, copies: list[Copies], matrix: NDArray, shift: NDArray) -> None:
-    """target = matrix p + shift for every point of every body, written in place.
+def _map_points(target: NDArray, copies: list[Copies], axes: NDArray, shift: NDArray) -> None:
+    """target = p_x axes_0 + p_y axes_1 + p_z axes_2 + shift for every point p of every body, written in place.
 
-    As p and a one are kept side by side in rows, this is one product with the rows of matrixᵀ and shift.
+    axes (n, 3, 3) : in rows, what the axes of each body are mapped to    shift : (n, 3)
+    As p and a one are kept side by side in rows, this is one product with the rows of axes and shift.
     """
-    maps = np.concatenate([np.swapaxes(matrix, 1, 2), shift[:, None, :]], axis=1).astype(target.dtype)
+    maps = np.concatenate([axes, shift[:, None, :]], axis=1).astype(target.dtype)
     for each in copies:
         shape = (len(each.bodies), len(each.points), 3)
         np.matmul(each.points, maps[each.bodies], out=target[each.rows].reshape(shape))

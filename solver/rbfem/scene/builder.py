@@ -81,6 +81,7 @@ def build_scene(case: Case) -> Scene:
         accuracy=case.accuracy,
         step=None if case.time.step == "auto" else case.time.step,
         method=None if case.time.method == "auto" else case.time.method,
+        places={key: case.where(key) for key in ("time.step", "time.method")},
         expectations=_expectations(case, names),
         end_time=case.time.end,
         output_interval=case.output.every or case.time.end / FRAMES_BY_DEFAULT,

@@ -28,7 +28,7 @@ class Fastening:
     is_free: NDArray[np.bool_]
 
     def lever(self, body: int, at) -> Array:
-        """A point of a body in its shape's coordinates (None: centre of mass), from its reference point, principal axes."""
+        """A point of a body in its shape's coordinates (None: centre of mass) as a lever in principal axes."""
         part = self.parts[self.part_of[body]]
         from_center = np.zeros(3) if at is None else np.asarray(at) + part.origin
         return self.to_principal(body, from_center - self.reference.offset[body])

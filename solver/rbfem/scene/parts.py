@@ -3,11 +3,21 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from rbfem.case.schema import BY_GROUP, Case, Material, MeshShape
+from rbfem.case.schema import (
+    BY_GROUP,
+    BoxShape,
+    Case,
+    CylinderShape,
+    EllipsoidShape,
+    Material,
+    MeshShape,
+    SphereShape,
+)
 from rbfem.errors import InputError
-from rbfem.fem.density import Density, density_field, field_of_file, groups_of_tets, mean_by_tet
+from rbfem.fem.density import Density, density_field, field_of_file, groups_of_tets
 from rbfem.fem.mass_properties import MassProperties, mass_properties
-from rbfem.fem.primitives import Primitive, primitive_properties, primitive_surface
+from rbfem.fem.primitives import primitive_properties, primitive_surface
+from rbfem.mesh.primitives import Primitive, from_sizes
 from rbfem.mesh.read import read_mesh
 from rbfem.mesh.surface import boundary_faces
 from rbfem.mesh.tet_mesh import TetMesh
@@ -31,7 +41,9 @@ def build_part(case: Case, shape_name: str, material_name: str) -> Part:
 
 
 def _primitive_part(case: Case, shape_name: str, material_name: str) -> Part:
-    primitive = _primitive(case.shapes[shape_name])
+    shape = case.shapes[shape_name]
+    assert not isinstance(shape, MeshShape)
+    primitive = _primitive(shape)
     density = case.materials[material_name].density
     assert isinstance(density, float)  # the case has refused a field for a primitive
     points, triangles = primitive_surface(primitive)
@@ -55,7 +67,8 @@ def _mesh_part(case: Case, shape_name: str, material_name: str, mesh: TetMesh) -
     properties = mass_properties(mesh, density)
     faces = boundary_faces(mesh)
     used, corners = np.unique(faces.triangles, return_inverse=True)
-    triangles, owners = corners.reshape(faces.triangles.shape), faces.tets
+    triangles: NDArray[np.int64] = corners.reshape(faces.triangles.shape)
+    owners = faces.tets
     if mesh.is_second_order:
         triangles, owners = triangles[:, QUARTERS].reshape(-1, 3), np.repeat(owners, 4)
     points = mesh.nodes[used] - properties.center_of_mass
@@ -68,7 +81,7 @@ def _mesh_part(case: Case, shape_name: str, material_name: str, mesh: TetMesh) -
         triangles=triangles,
         triangle_material=tet_material[owners],
         tet_material=tet_material,
-        tet_density=mean_by_tet(mesh, density_field(mesh, density)),
+        tet_density=np.array(density_field(mesh, density).of_tets(mesh)),
         bounding_radius=float(np.linalg.norm(points, axis=1).max()),
     )
 
@@ -86,7 +99,7 @@ def _filling(case: Case, material_name: str, mesh: TetMesh) -> tuple[Density, ND
         )
     fields = [_density(case.materials[name], mesh) for name in mesh.groups]
     owner = groups_of_tets(mesh)
-    by_tet = [mean_by_tet(mesh, density_field(mesh, field)) for field in fields]
+    by_tet = [density_field(mesh, field).of_tets(mesh) for field in fields]
     density = np.choose(owner, by_tet) if len(by_tet) <= 32 else np.array(by_tet)[owner, np.arange(mesh.n_tets)]
     return density, np.array([_index(case, name) for name in mesh.groups])[owner]
 
@@ -101,15 +114,9 @@ def _index(case: Case, material_name: str) -> int:
     return list(case.materials).index(material_name)
 
 
-def _primitive(shape) -> Primitive:
-    if shape.kind == "sphere":
-        return Primitive("sphere", (shape.sphere.radius,) * 3)
-    if shape.kind == "box":
-        x, y, z = shape.box.size
-        return Primitive("box", (0.5 * x, 0.5 * y, 0.5 * z))
-    if shape.kind == "cylinder":
-        return Primitive("cylinder", (shape.cylinder.radius, shape.cylinder.radius, 0.5 * shape.cylinder.height))
-    return Primitive("ellipsoid", shape.ellipsoid.radii)
+def _primitive(shape: SphereShape | BoxShape | CylinderShape | EllipsoidShape) -> Primitive:
+    sizes = dict(getattr(shape, shape.kind))
+    return from_sizes(shape.kind, {name: size if isinstance(size, tuple) else (size,) for name, size in sizes.items()})
 
 
 def _part(name: str, kind: str, mesh: TetMesh | None, properties: MassProperties, **drawn) -> Part:

@@ -33,7 +33,8 @@ def place(body: Body, part: Part, seed: int, index: int) -> Start:
         position = body.position - quaternion.rotate(attitude, part.origin)
     else:
         random = np.random.default_rng([seed, index])
-        position = random.uniform(*np.array(body.place.in_box), size=(n, 3))
+        low, high = body.place.in_box
+        position = random.uniform(low, high, size=(n, 3))
         if body.place.orientation == "random":
             attitude = quaternion.normalize(random.normal(size=(n, 4)))
     spin = np.tile(np.array(body.angular_velocity, dtype=float), (n, 1))

@@ -1,5 +1,6 @@
 """The noun of this room: what is physically there, as frozen arrays. Made once; never changes during a run."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -102,6 +103,7 @@ class Scene:
     load_kinds       : n_bodies tuples of the kinds of load in words, for the plan
     accuracy         : the error the user accepts
     step, method     : what the user asked for, or None for "auto"
+    places           : where `time.step` and `time.method` stand in the case file, for messages
     expectations     : what is known about the answer
     end_time         : s
     output_interval  : s
@@ -128,6 +130,7 @@ class Scene:
     accuracy: float
     step: float | None
     method: str | None
+    places: Mapping[str, str]
     expectations: tuple[Expectation, ...]
     end_time: float
     output_interval: float
@@ -136,6 +139,10 @@ class Scene:
     @property
     def n_bodies(self) -> int:
         return len(self.names)
+
+    def where(self, key: str) -> str:
+        """`cases/x/case.yaml:12` of a key in `places`; the scene's name if it was not read from a file."""
+        return self.places.get(key, self.name)
 
     @property
     def is_held(self) -> NDArray[np.bool_]:

@@ -81,7 +81,7 @@ def triangle_quadrature(degree: int) -> tuple[Array, Array]:
 
 
 def triangle_quadratic(barycentric: Array) -> Array:
-    """Values (k, 6) of the quadratic shape functions of the triangle, edges 01, 12, 20, at barycentric points (k, 3)."""
+    """Values (k, 6) of the quadratic shape functions of the triangle, edges 01, 12, 20, at barycentric (k, 3)."""
     i, j = TRIANGLE_EDGES.T
     return np.hstack([barycentric * (2.0 * barycentric - 1.0), 4.0 * barycentric[:, i] * barycentric[:, j]])
 

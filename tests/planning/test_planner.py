@@ -1,0 +1,206 @@
+"""The step, the method, the backend and the plan as data."""
+
+import dataclasses
+import json
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+
+import rbfem
+from rbfem.errors import InputError
+from rbfem.motion.methods import METHODS
+from rbfem.planning import planner
+
+SPRUNG = {"shape": "ball", "position": [0.3, 0, 0], "loads": [{"spring": {"to": [0, 0, 0], "stiffness": 250.0}}]}
+COPIES = {"name": "rock", "place": {"in_box": [[0, 0, 0], [9, 9, 9]], "orientation": "random"}}
+
+
+# ------------------------------------------------------------------------------------------------------------- step
+
+
+def test_a_step_beyond_the_limit_is_refused_with_the_limit_in_the_message(scene_of):
+    limit = rbfem.plan(scene_of(SPRUNG)).step_limit.value
+    scene = scene_of(SPRUNG, time={"end": 1, "step": 1.001 * limit})
+    with pytest.raises(InputError, match=rf"time\.step: .*limit of this scene is {limit:.6g} s.*--beyond-limit"):
+        rbfem.plan(scene)
+    allowed = rbfem.plan(scene, beyond_limit=True)
+    assert allowed.step.value == scene.step
+    assert "on purpose" in allowed.step.reason and f"{limit:.6g}" in allowed.step.reason
+
+
+def test_a_step_at_the_limit_is_taken_as_asked(scene_of):
+    limit = rbfem.plan(scene_of(SPRUNG)).step_limit.value
+    plan = rbfem.plan(scene_of(SPRUNG, time={"end": 1, "step": limit}))
+    assert plan.step.value == limit
+    assert "asked for; 1 of the limit" in plan.step.reason
+
+
+@pytest.mark.parametrize("spin", [5.0, 5e3])
+def test_a_step_too_long_for_the_spin_is_refused_too(scene_of, spin):
+    with pytest.raises(InputError, match="limit"):
+        rbfem.plan(scene_of({"angular_velocity": [0, 0, spin]}, time={"end": 1, "step": 2.1 / spin}))
+
+
+@pytest.mark.parametrize(
+    ("method", "share"), [("rk4", 50), ("rk4_world", 50), ("semi_implicit_euler", 1000), ("euler", 1000)]
+)
+def test_an_automatic_step_is_the_stated_share_of_the_limit(scene_of, method, share):
+    plan = rbfem.plan(scene_of(SPRUNG, time={"end": 1, "method": method}, output={"every": 1}))
+    assert plan.step.value == pytest.approx(plan.step_limit.value / share, rel=1e-12)
+    assert f"1/{share} of the limit" in plan.step.reason
+
+
+def test_an_automatic_step_is_never_longer_than_the_output_interval(scene_of):
+    assert rbfem.plan(scene_of(SPRUNG, output={"every": 1e-4})).step.value == 1e-4
+
+
+@pytest.mark.parametrize(("method", "steps"), [("rk4", 1), ("euler", 1000)])
+def test_without_a_limit_an_automatic_step_follows_the_output_interval(scene_of, method, steps):
+    plan = rbfem.plan(scene_of({"velocity": [1, 0, 0]}, time={"end": 1, "method": method}, output={"every": 0.25}))
+    assert plan.step.value == 0.25 / steps
+    assert plan.step_limit.value is None
+
+
+# ----------------------------------------------------------------------------------------------------------- method
+
+
+def test_an_unknown_method_is_refused_with_the_nearest_and_all_names(scene_of):
+    with pytest.raises(InputError, match=r"time\.method: no method 'rk5'; did you mean 'rk4'\?") as caught:
+        rbfem.plan(scene_of({}, time={"end": 1, "method": "rk5"}))
+    assert all(name in str(caught.value) for name in METHODS)
+
+
+def test_a_method_like_no_other_is_refused_without_a_guess(scene_of):
+    with pytest.raises(InputError, match=r"case\.yaml:\d+: time\.method: no method 'bdf' \(known: rk4") as caught:
+        rbfem.plan(scene_of({}, time={"end": 1, "method": "bdf"}))
+    assert "did you mean" not in str(caught.value)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_every_method_of_the_table_can_be_asked_for(scene_of, method):
+    choice = rbfem.plan(scene_of({}, time={"end": 1, "method": method})).method
+    assert choice.value == method
+    assert f"order {METHODS[method].order}" in choice.error
+
+
+def test_euler_is_said_to_gain_energy(scene_of):
+    assert "gains energy" in rbfem.plan(scene_of({}, time={"end": 1, "method": "euler"})).method.error
+
+
+# ---------------------------------------------------------------------------------------------------------- backend
+
+
+@pytest.fixture
+def fresh(monkeypatch):
+    """As in a process that has not imported numba, with kernels that were compiled before."""
+    monkeypatch.setattr(planner, "clear_of_numba", lambda: True)
+    monkeypatch.setattr(planner, "is_cached", lambda *kernel: True)
+
+
+@pytest.mark.usefixtures("fresh")
+def test_a_small_scene_is_computed_in_plain_python(scene_of):
+    assert rbfem.plan(scene_of(SPRUNG)).backend.value == "python"
+
+
+@pytest.mark.usefixtures("fresh")
+def test_a_large_scene_is_computed_by_kernels(scene_of):
+    scene = scene_of(COPIES | {"count": 2000, "angular_velocity": [1, 2, 3]}, time={"end": 1, "step": 1e-3})
+    backend = rbfem.plan(scene).backend
+    assert backend.value == "serial"
+    assert "3e+06 body-steps" in backend.reason  # 2000 bodies, 1000 steps and half as many of the companion
+
+
+@pytest.mark.usefixtures("fresh")
+def test_a_huge_scene_is_spread_over_the_cores(scene_of, monkeypatch):
+    scene = scene_of(
+        COPIES | {"count": 50000, "loads": [{"force": [1, 0, 0], "at": [0, 0.01, 0]}]}, time={"end": 1, "step": 1e-3}
+    )
+    monkeypatch.setattr(planner.os, "cpu_count", lambda: 2)
+    assert rbfem.plan(scene).backend.value == "parallel"
+    monkeypatch.setattr(planner.os, "cpu_count", lambda: 1)
+    assert rbfem.plan(scene).backend.value == "serial"
+
+
+def test_compiling_for_the_first_time_counts(scene_of, monkeypatch):
+    scene = scene_of(COPIES | {"count": 100, "angular_velocity": [1, 2, 3]}, time={"end": 1, "step": 2e-4})
+    monkeypatch.setattr(planner, "clear_of_numba", lambda: True)
+    monkeypatch.setattr(planner, "is_cached", lambda *kernel: True)
+    assert rbfem.plan(scene).backend.value == "serial"
+    monkeypatch.setattr(planner, "is_cached", lambda *kernel: False)
+    assert rbfem.plan(scene).backend.value == "python"
+
+
+def test_a_fixed_body_is_no_work(scene_of, monkeypatch):
+    monkeypatch.setattr(planner, "clear_of_numba", lambda: True)
+    scene = scene_of({"fixed": True, "shape": "ball"}, time={"end": 1, "step": 1e-7}, output={"every": 1})
+    assert rbfem.plan(scene).backend.value == "python"
+    assert "0 body-steps" in rbfem.plan(scene).backend.reason
+
+
+def test_a_whole_run_of_a_small_scene_never_imports_numba(write_case, tmp_path):
+    case = write_case([SPRUNG, {"shape": "bracket", "material": "steel", "angular_velocity": [1, 2, 3]}])
+    command = [sys.executable, "-X", "importtime", "-m", "rbfem", "run", str(case), "-o", str(tmp_path / "out")]
+    told = subprocess.run(command, capture_output=True, text=True, check=True, timeout=60)
+    imported = [line.rpartition("|")[2].strip() for line in told.stderr.splitlines() if line.startswith("import time:")]
+    assert "rbfem.motion.advance" in imported and "vtkmodules" in imported  # it did run and it did write
+    assert not [name for name in imported if name.split(".")[0] in ("numba", "llvmlite")]
+
+
+# ------------------------------------------------------------------------------------------------ the plan as data
+
+
+def busy_scene(scene_of):
+    held = {"name": "held", "pivot": [0, 0, 1], "position": [0, 0, 0.5], "angular_velocity": [0, 0, 2]}
+    copies = COPIES | {"count": 4, "angular_velocity": [1, 2, 3]}
+    return scene_of(SPRUNG, held, copies, {"name": "wall", "fixed": True}, gravity=[0, 0, -9.81], time={"end": 0.2})
+
+
+def test_a_plan_comes_back_from_json_and_runs_again_to_the_same_bits(scene_of, run_of):
+    scene = busy_scene(scene_of)
+    plan = rbfem.plan(scene)
+    again = rbfem.Plan.from_dict(json.loads(json.dumps(plan.to_dict(), allow_nan=False)))
+    assert again == plan
+    for one, other in zip(run_of(scene, plan)[1], run_of(scene, again)[1], strict=True):
+        for name in ("position", "quaternion", "velocity", "angular_velocity"):
+            np.testing.assert_array_equal(getattr(one, name), getattr(other, name))
+        assert one.balance.energy == other.balance.energy
+
+
+def test_planning_twice_gives_the_same_plan(scene_of):
+    assert rbfem.plan(busy_scene(scene_of)).step == rbfem.plan(busy_scene(scene_of)).step
+
+
+def test_a_plan_that_was_edited_is_followed(scene_of, run_of):
+    scene = busy_scene(scene_of)
+    plan = rbfem.plan(scene)
+    edited = dataclasses.replace(
+        plan,
+        step=dataclasses.replace(plan.step, value=0.001),
+        method=dataclasses.replace(plan.method, value="euler"),
+        verify=dataclasses.replace(plan.verify, value=False),
+    )
+    run, _ = run_of(scene, edited)
+    assert run.cost.steps == 200
+    assert run.cost.evaluations == 200
+    assert run.error.estimated is None and "companion" in run.error.unknown_because
+
+
+def test_a_plan_says_what_is_left_out(scene_of):
+    left = "; ".join(rbfem.plan(busy_scene(scene_of)).left_out)
+    for word in ("contact", "elasticity", "air", "1 fixed body"):
+        assert word in left
+    with_air = rbfem.plan(scene_of({"loads": [{"drag": {"linear": 1}}]}))
+    assert "air" not in "; ".join(with_air.left_out)
+
+
+def test_a_plan_of_a_hundred_thousand_copies_is_quick_and_small(scene_of):
+    loads = [{"force": [1, 0, 0], "at": [0.01, 0, 0]}, {"drag": {"linear": 1}}]
+    scene = scene_of(COPIES | {"count": 100_000, "angular_velocity": [1, 2, 3], "loads": loads})
+    began = time.perf_counter()
+    plan = rbfem.plan(scene)
+    assert time.perf_counter() - began < 10.0  # measured: 0.8 s
+    assert len(json.dumps(plan.to_dict())) < 5000  # measured: 1800
+    assert plan.models[0].count == 100_000
