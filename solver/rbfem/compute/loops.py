@@ -102,11 +102,11 @@ def _compiled_leaves(function: Callable) -> dict[str, Callable]:
 def _called(function: Callable) -> dict[str, types.FunctionType]:
     """The plain functions of rbfem that a function calls, by the name it calls them."""
     found = {name: function.__globals__.get(name) for name in function.__code__.co_names}
-    return {name: value for name, value in found.items() if _is_ours(value)}
-
-
-def _is_ours(value: Any) -> bool:
-    return isinstance(value, types.FunctionType) and value.__module__.startswith("rbfem.")
+    return {
+        name: value
+        for name, value in found.items()
+        if isinstance(value, types.FunctionType) and value.__module__.startswith("rbfem.")
+    }
 
 
 @functools.cache
