@@ -22,21 +22,19 @@ BACKENDS = ("python", "serial", "parallel")
 
 parallel_range = range
 
+# Loops allocate nothing, so numba need not count references to the arrays: that counting took more than the physics.
+LOOP: dict[str, Any] = {"_nrt": False, "nogil": True, "error_model": "numpy"}
 # A leaf is inlined by force: one with many arguments otherwise stays a call, two to three times slower.
-LEAF: dict[str, Any] = {
-    "forceinline": True,
-    "_nrt": False,
-    "nogil": True,
-    "error_model": "numpy",
-    "fastmath": {"contract"},
-}
-LOOP: dict[str, Any] = {"_nrt": False, "nogil": True, "error_model": "numpy", "fastmath": {"contract"}}
+LEAF: dict[str, Any] = {**LOOP, "forceinline": True, "fastmath": {"contract"}}
 
 _one_parallel_kernel_at_a_time = threading.Lock()  # numba's workqueue layer aborts the process on a second entry
 
 
-def loop(function: Callable, backend: str) -> Callable:
+def loop(function: Callable, backend: str, reorders_sums: bool = False) -> Callable:
     """`function` as the backend runs it; the arguments are the same for all three.
+
+    reorders_sums : the sums of the loop itself, not those of the functions it calls, may be added up in another order,
+                    several at a time
 
     >>> def add_up(values, total):
     ...     for i in range(len(values)):
@@ -49,8 +47,8 @@ def loop(function: Callable, backend: str) -> Callable:
     if backend == "python":
         return lambda *arguments: function(*[_items(argument) for argument in arguments])
     if backend == "serial":
-        return compiled(function)
-    kernel = compiled(function, parallel=True)
+        return compiled(function, reorders_sums=reorders_sums)
+    kernel = compiled(function, parallel=True, reorders_sums=reorders_sums)
 
     def guarded(*arguments):
         with _one_parallel_kernel_at_a_time:
@@ -60,7 +58,7 @@ def loop(function: Callable, backend: str) -> Callable:
 
 
 @functools.cache
-def compiled(function: Callable, parallel: bool = False) -> Callable:
+def compiled(function: Callable, parallel: bool = False, reorders_sums: bool = False) -> Callable:
     """`function` and all plain functions of rbfem that it calls, compiled by numba and kept on disk.
 
     The serial and the parallel kernel of one text get different names, because numba's cache tells them apart by name
@@ -70,7 +68,8 @@ def compiled(function: Callable, parallel: bool = False) -> Callable:
 
     names = {"parallel_range": numba.prange if parallel else range}
     text = _with_globals(function, names | _compiled_leaves(function), "_parallel" if parallel else "")
-    return _kept(text, _cache_folder(function), parallel=parallel, **LOOP)
+    fastmath = {"contract", "reassoc", "nsz"} if reorders_sums else {"contract"}
+    return _kept(text, _cache_folder(function), parallel=parallel, fastmath=fastmath, **LOOP)
 
 
 def clear_of_numba() -> bool:

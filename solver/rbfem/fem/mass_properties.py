@@ -76,13 +76,15 @@ def mass_properties(mesh: TetMesh, density: Density = 1.0, backend: str = "auto"
     >>> float(body.mass), body.center_of_mass, np.diag(body.inertia).round(12)
     (1.0, array([0.25, 0.25, 0.25]), array([0.075, 0.075, 0.075]))
     """
-    center = np.ascontiguousarray(mesh.nodes.T).mean(axis=1)
+    axes = np.ascontiguousarray(mesh.nodes.T)
+    center = axes.mean(axis=1)
     field = density_field(mesh, density)
     moments = mesh_moments(mesh, field, center, backend)
     offset = moments.first / moments.mass
     about_center = np.trace(moments.second) * np.eye(3) - moments.second
     inertia = about_center - moments.mass * point_inertia(offset)
-    rounding = predicted_rounding(mesh, field, moments, center + offset, inertia)
+    box = np.array([axes.min(axis=1), axes.max(axis=1)])
+    rounding = predicted_rounding(mesh, box, field, moments, center + offset, inertia)
     try:
         return from_tensor(moments.mass, moments.volume, center + offset, inertia, rounding)
     except InputError as error:

@@ -16,7 +16,7 @@ Array = NDArray[np.float64]
 
 CHUNK = 8192  # tets whose temporaries stay in the second-level cache
 CURVED_CHUNK = 256
-BLOCK = 64  # tets summed one after the other in the compiled loop, so that rounding does not grow with the mesh
+BLOCK = 512  # tets summed one after the other in the compiled loop, so that rounding does not grow with the mesh
 # Tets from which the compiled loop is quicker in all: from a cold start of numba, and with numba already at work.
 TETS_TO_START_NUMBA, TETS_WITH_NUMBA = 5_000_000, 200_000
 # Degree of the integrand on a curved tet: Jacobian 3, two coordinates 2 + 2, and a nodal density 2 more.
@@ -89,7 +89,7 @@ def _straight_sums(nodes: Array, tets: NDArray, density: DensityField, chosen: N
         axes = np.ascontiguousarray(nodes.T)
         return np.array([_chunk_sums(axes, tets, values, density.is_nodal, i) for i in range(0, len(tets), CHUNK)])
     sums = np.zeros((-(-len(tets) // BLOCK), WIDTH))
-    loop(sum_blocks, backend)(nodes, tets, values, BLOCK, sums)
+    loop(sum_blocks, backend, reorders_sums=True)(nodes, tets, values, BLOCK, sums)
     return sums
 
 

@@ -21,10 +21,13 @@ TETS_TO_SHAKE = 20_000
 CHUNK = 65_536  # tets at a time, so that the sweep needs little memory beside the mesh
 
 
-def predicted_rounding(mesh: TetMesh, density: DensityField, moments: Moments, center: Array, inertia: Array) -> float:
+def predicted_rounding(
+    mesh: TetMesh, box: Array, density: DensityField, moments: Moments, center: Array, inertia: Array
+) -> float:
     """Relative error (Frobenius) of a tensor: rounding of the sums, and of the coordinates as the mesh holds them.
 
-    center : (3,) m, centre of mass    inertia : (3, 3) about it    1 where the moments leave no digit.
+    box : (2, 3) m, smallest and largest coordinates    center : (3,) m, centre of mass    inertia : (3, 3) about it
+    returns : 1 where the moments leave no digit.
     """
     if not np.isfinite(inertia).all():
         return 1.0
@@ -35,10 +38,8 @@ def predicted_rounding(mesh: TetMesh, density: DensityField, moments: Moments, c
         return 1.0
     determinants = np.sqrt(moments.determinant_scale) / moments.mass
     summed = UNIT_ROUNDOFF * (ROUNDING_FLOOR + ROUNDINGS_OF_A_TET * determinants)
-    axes = np.ascontiguousarray(mesh.nodes.T)
-    low, high = axes.min(axis=1), axes.max(axis=1)
-    largest = max(-low.min(), high.max())
-    if mesh.n_tets > TETS_TO_SHAKE and largest <= (high - low).max():
+    largest = np.abs(box).max()
+    if mesh.n_tets > TETS_TO_SHAKE and largest <= np.ptp(box, axis=0).max():
         return float(summed + UNIT_ROUNDOFF * largest * np.sum(1.0 / np.sqrt(mean_squares)))
     return float(summed + _shaken(mesh, density, center, inertia))
 
