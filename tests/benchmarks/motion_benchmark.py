@@ -8,7 +8,7 @@ from measuring import Effort, Row, in_time, missing, peer, smallest_times
 from rbfem.motion.loads import SPRING
 from rbfem.motion.model import RIGID, Bodies, Islands, Loads
 from rbfem.motion.state import State, System, initial_state, move
-from rbfem.simulation.run import BODY_STEPS_A_CALL
+from rbfem.simulation.run import steps_a_call
 
 N_BODIES, N_MANY = 1e4, 1e6
 N_MUJOCO = 1e3
@@ -48,7 +48,7 @@ def growth_rows(few: tuple[State, System], many: tuple[State, System], effort: E
     rows = []
     for name, steps in (
         (f"{STEPS_A_CALL} steps a call", (STEPS_A_CALL, STEPS_A_CALL)),
-        ("called as a run does", (run_steps(n_few), run_steps(n_many))),
+        ("called as a run does", (steps_a_call(n_few, "serial"), steps_a_call(n_many, "serial"))),
     ):
         times = smallest_times(
             min(effort.rounds, 7), stepping(few, steps[0], "serial"), stepping(many, steps[1], "serial")
@@ -86,11 +86,6 @@ def mujoco_row(n: int, effort: Effort) -> Row:
 def stepping(bodies: tuple[State, System], steps: int, backend: str) -> Callable[[], State]:
     state, system = bodies
     return lambda: move(state, STEP, steps, "rk4", system, backend)
-
-
-def run_steps(n_bodies: int) -> int:
-    """Steps that a run takes in one call of the stepper."""
-    return max(1, int(BODY_STEPS_A_CALL["serial"] / n_bodies))
 
 
 def tumbling(n: int, is_sprung: bool = False) -> tuple[State, System]:

@@ -53,10 +53,9 @@ def move(state: State, dt: float, n_steps: int, method: str, system: System, bac
     """The state n_steps steps of dt later, by a row of `METHODS`, on a backend of `rbfem.compute`."""
     row = METHODS[method]
     stacked = _stack(state, row, system)
-    ledger = state.ledger.copy()
-    needs_scratch = system.bodies.is_pushed.any()  # bodies that coast are moved in local numbers
-    scratch = scratch_for(len(stacked) if needs_scratch else 0)
-    if needs_scratch:
+    ledger, scratch = state.ledger, scratch_for(0)  # enough where every body coasts, in local numbers
+    if system.bodies.is_pushed.any():
+        ledger, scratch = ledger.copy(), scratch_for(len(stacked))
         scratch.stage[:] = stacked
     loop(advance, backend)(
         stacked,

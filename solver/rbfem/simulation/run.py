@@ -99,7 +99,7 @@ class Run:
     def _move(self, state: State, dt: float, n_steps: int, stop: Stop, system) -> State:
         """To a stop, in calls short enough to be interrupted; the time is then the stop's own to the last digit."""
         backend = str(self.plan.backend.value)
-        at_once = max(LEAST_STEPS_A_CALL, int(BODY_STEPS_A_CALL[backend] / self.scene.n_bodies))
+        at_once = steps_a_call(self.scene.n_bodies, backend)
         with np.errstate(all="ignore"):  # what has blown up is told in words, by the caller
             for done in range(0, n_steps, at_once):
                 state = move(state, dt, min(at_once, n_steps - done), str(self.plan.method.value), system, backend)
@@ -176,6 +176,15 @@ def _blown_up(state: State) -> np.ndarray:
     """Indices of the bodies whose state is no number, infinite or on its way there."""
     rows = np.hstack([state.position, state.quaternion, state.velocity, state.angular_momentum])
     return np.flatnonzero(~(np.abs(rows) < LARGEST).all(axis=1))
+
+
+def steps_a_call(n_bodies: int, backend: str) -> int:
+    """Steps that a run takes in one call of the stepper.
+
+    >>> steps_a_call(10, "python"), steps_a_call(1_000_000, "serial")
+    (300, 10)
+    """
+    return max(LEAST_STEPS_A_CALL, int(BODY_STEPS_A_CALL[backend] / n_bodies))
 
 
 def simulate(scene: Scene, plan: Plan) -> Run:
