@@ -6,9 +6,10 @@ from textwrap import dedent
 
 import pytest
 
+from rbfem.case.loads import ForceLoad, PointOfBody, SpringLoad
 from rbfem.case.reader import LARGEST_FILE, read_case
 from rbfem.case.reference import EXAMPLE
-from rbfem.case.schema import ForceLoad, MeshField, PointOfBody, SphereShape, SpringLoad
+from rbfem.case.shapes import MeshField, SphereShape
 from rbfem.errors import InputError
 
 SMALL = """\

@@ -4,8 +4,9 @@ import json
 from collections.abc import Iterator
 from typing import Any
 
+from rbfem.case.expectations import QUANTITIES_IN_TOTAL, QUANTITIES_OF_A_BODY
 from rbfem.case.rules import EXCLUDES
-from rbfem.case.schema import QUANTITIES_IN_TOTAL, QUANTITIES_OF_A_BODY, Case
+from rbfem.case.schema import Case
 from rbfem.case.units import COMMON_UNITS
 
 Node = dict[str, Any]

@@ -3,16 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from rbfem.case.schema import (
-    BY_GROUP,
-    BoxShape,
-    Case,
-    CylinderShape,
-    EllipsoidShape,
-    Material,
-    MeshShape,
-    SphereShape,
-)
+from rbfem.case.schema import BY_GROUP, Case
+from rbfem.case.shapes import BoxShape, CylinderShape, EllipsoidShape, Material, MeshShape, SphereShape
 from rbfem.errors import InputError
 from rbfem.fem.density import Density, density_field, field_of_file, groups_of_tets
 from rbfem.fem.mass_properties import MassProperties, mass_properties

@@ -1,0 +1,91 @@
+"""What a case may say of shapes and materials."""
+
+from __future__ import annotations
+
+from typing import Annotated, ClassVar
+
+from pydantic import AfterValidator, Discriminator, Field, Tag
+
+from rbfem.case.quantity import Quantity, Vector
+from rbfem.case.sections import PositiveLength, Section, Text, Vec3, group_or_value, kind_of, length_unit
+from rbfem.case.units import DENSITY, LENGTH
+
+
+class MeshShape(Section):
+    """Tetrahedra from a file."""
+
+    kind: ClassVar[str] = "mesh"
+    mesh: Text = Field(description="Mesh file with tetrahedra in it; the path starts at the folder of the case.")
+    unit: Annotated[str, AfterValidator(length_unit)] = Field(
+        default="m", description="Unit of length of the mesh file."
+    )
+
+
+class Sphere(Section):
+    radius: PositiveLength = Field(description="Radius.")
+
+
+class SphereShape(Section):
+    """A sphere; its origin is its centre."""
+
+    kind: ClassVar[str] = "sphere"
+    sphere: Sphere = Field(description="Exact sphere, no mesh needed.")
+
+
+class Cuboid(Section):
+    size: Annotated[Vec3, Vector(LENGTH, above=0.0)] = Field(description="Edge lengths along x, y, z.")
+
+
+class BoxShape(Section):
+    """A rectangular box; its origin is its centre."""
+
+    kind: ClassVar[str] = "box"
+    box: Cuboid = Field(description="Exact box, no mesh needed.")
+
+
+class Cylinder(Section):
+    radius: PositiveLength = Field(description="Radius.")
+    height: PositiveLength = Field(description="Height along z.")
+
+
+class CylinderShape(Section):
+    """A cylinder about its own z axis; its origin is its centre."""
+
+    kind: ClassVar[str] = "cylinder"
+    cylinder: Cylinder = Field(description="Exact cylinder, axis z, no mesh needed.")
+
+
+class Ellipsoid(Section):
+    radii: Annotated[Vec3, Vector(LENGTH, above=0.0)] = Field(description="Half axes along x, y, z.")
+
+
+class EllipsoidShape(Section):
+    """An ellipsoid; its origin is its centre."""
+
+    kind: ClassVar[str] = "ellipsoid"
+    ellipsoid: Ellipsoid = Field(description="Exact ellipsoid, no mesh needed.")
+
+
+Shape = Annotated[
+    Annotated[MeshShape, Tag("<mesh>")]
+    | Annotated[SphereShape, Tag("<sphere>")]
+    | Annotated[BoxShape, Tag("<box>")]
+    | Annotated[CylinderShape, Tag("<cylinder>")]
+    | Annotated[EllipsoidShape, Tag("<ellipsoid>")],
+    kind_of("mesh", "sphere", "box", "cylinder", "ellipsoid"),
+]
+
+
+class MeshField(Section):
+    """A density that varies in space."""
+
+    field: Text = Field(description="Name of a scalar cell or point field of the mesh file, in kg/m^3.")
+
+
+class Material(Section):
+    """What a body is made of."""
+
+    density: Annotated[
+        Annotated[float, Quantity(DENSITY, above=0.0), Tag("<value>")] | Annotated[MeshField, Tag("<group>")],
+        Discriminator(group_or_value),
+    ] = Field(description="Density, or {field: NAME} for one that the mesh file holds.")
