@@ -66,6 +66,6 @@ def _verdict(error: dict[str, Any]) -> str:
 
 
 def _in_words(choice: Choice) -> str:
-    value = f"{choice.value:.6g}" if isinstance(choice.value, float) else str(choice.value)
+    value = f"{choice.value:.6g} s" if isinstance(choice.value, float) else str(choice.value)  # the numbers are steps
     rest = "; ".join(part for part in (choice.error, choice.cost) if part)
     return f"{value}: {choice.reason}" + (f" [{rest}]" if rest else "")
