@@ -1,5 +1,6 @@
 """Plans and reports as lines for a person."""
 
+import shlex
 import textwrap
 from collections.abc import Iterator
 from pathlib import Path
@@ -43,8 +44,8 @@ def report_lines(report: dict[str, Any], directory: Path) -> Iterator[str]:
         )
     for warning in report["warnings"]:
         yield from paragraph("warning", warning)
-    yield f"  {'look':<{LABEL}}paraview {directory / report['case']}.pvd"  # commands to copy are never wrapped
-    yield f"  {'or':<{LABEL}}rbfem view {directory}"
+    yield f"  {'look':<{LABEL}}paraview {shlex.quote(str(directory / report['case']) + '.pvd')}"  # commands to copy are never wrapped
+    yield f"  {'or':<{LABEL}}rbfem view {shlex.quote(str(directory))}"
 
 
 def paragraph(label: str, text: str) -> Iterator[str]:
