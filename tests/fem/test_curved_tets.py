@@ -1,5 +1,6 @@
 """Second-order tets with curved faces, and how wrong a mesh of a round body is."""
 
+from dataclasses import replace
 from math import pi
 from pathlib import Path
 
@@ -98,6 +99,19 @@ def test_the_exact_shape_tells_the_error_itself(make):
     exact = EGG.mass / 5 * np.diag([0.64 + 0.25, 1.0 + 0.25, 1.0 + 0.64])
     assert told.discretisation == pytest.approx(np.linalg.norm(body.inertia - exact) / np.linalg.norm(exact), rel=1e-9)
     assert told.rounding == body.rounding_error and "ellipsoid" in told.how
+
+
+def test_a_flat_second_mesh_cannot_tell_the_error_of_a_curved_one():
+    first, second = curved(4), flat(9)
+    with pytest.raises(InputError, match="a tet4 mesh cannot tell the error of a tet10 one"):
+        error_against_second(mass_properties(first), first, mass_properties(second), second)
+
+
+def test_a_second_mesh_of_another_part_or_unit_is_refused():
+    first, second = flat(4), flat(9)
+    larger = replace(second, nodes=1000.0 * second.nodes)
+    with pytest.raises(InputError, match="not the same part"):
+        error_against_second(mass_properties(larger), larger, mass_properties(first), first)
 
 
 def test_two_meshes_alike_tell_nothing():

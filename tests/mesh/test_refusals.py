@@ -42,7 +42,7 @@ def test_a_kind_that_is_not_known_lists_those_that_are(tmp_path):
 def test_a_shape_without_tets_names_the_command_that_makes_them(tmp_path, ending):
     path = tmp_path / f"part.{ending}"
     path.write_text("solid")
-    assert f"make them first: rbfem mesh part.{ending} -o part.msh" in refusal(path)
+    assert f"make them first: rbfem mesh {path} -o {path.with_suffix('.msh')}, with the --unit" in refusal(path)
 
 
 def test_a_surface_mesh(write):

@@ -110,7 +110,7 @@ def test_a_field_that_the_mesh_lacks_is_told_with_those_it_has(message, tmp_path
 def test_a_group_without_a_material_of_its_name_is_told_with_the_materials(message):
     said = message(("material: steel", "material: by-group"), ("rubber: {density", "gum: {density"))
     assert "case.yaml:3: shapes.bracket: " in said
-    assert "no material 'rubber'" in said and "steel, gum" in said
+    assert "no material is called 'rubber'" in said and "steel, gum" in said
 
 
 def test_by_group_on_a_mesh_without_groups_is_refused(message, tmp_path):

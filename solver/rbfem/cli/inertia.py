@@ -51,6 +51,8 @@ def command(
     mesh = read_mesh(mesh_path, unit)
     properties = mass_properties(mesh, _density(densities, mesh))
     error = inertia_error(properties)
+    if exact and second:
+        raise click.BadParameter("give --exact or --second, not both", param_hint="--second")
     if exact:
         error = _against_exact(properties, mesh, exact, unit, densities)
     elif second:

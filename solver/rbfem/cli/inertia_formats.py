@@ -22,7 +22,9 @@ def as_table(
     yield f"  box                {_row(size)} m"
     yield f"  quality            smallest {summary.quality_min:.3f}, median {summary.quality_median:.3f} (1: regular)"
     if summary.groups:
-        yield "  groups             " + ", ".join(f"{name} ({count})" for name, count in summary.groups.items())
+        yield "  volume groups      " + ", ".join(f"{name} ({count})" for name, count in summary.groups.items())
+    if summary.surfaces:
+        yield "  surface groups     " + ", ".join(f"{name} ({count})" for name, count in summary.surfaces.items())
     yield f"  volume             {properties.volume:.12g} m^3"
     yield f"  mass               {properties.mass:.12g} kg"
     yield f"  center of mass     {_row(properties.center_of_mass)} m"

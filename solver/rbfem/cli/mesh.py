@@ -6,7 +6,9 @@ import click
 @click.command("mesh")
 @click.argument("source")
 @click.option("-o", "--output", required=True, metavar="MESH", help="The .msh file to write.")
-@click.option("--size", type=float, help="Edge length, in the unit of the output.  [default: diagonal / 20]")
+@click.option(
+    "--size", type=float, help="Edge length, in the unit of the output.  [default: diagonal / 20, or what a .geo says]"
+)
 @click.option("--order", type=click.IntRange(1, 2), default=1, show_default=True, help="1: tet4, 2: tet10, curved.")
 @click.option("--unit", default="m", show_default=True, help="What the numbers of the output are in: m, mm, in, …")
 def command(source: str, output: str, size: float | None, order: int, unit: str) -> None:

@@ -22,6 +22,8 @@ def plan_lines(plan: Plan) -> Iterator[str]:
     yield from paragraph("check", plan.verify.reason)
     yield from paragraph("accuracy", f"{plan.accuracy:g} accepted; what the check finds is held against it")
     yield from paragraph("left out", "; ".join(plan.left_out))
+    for warning in plan.warnings:
+        yield from paragraph("warning", warning)
 
 
 def report_lines(report: dict[str, Any], directory: Path) -> Iterator[str]:
@@ -42,9 +44,10 @@ def report_lines(report: dict[str, Any], directory: Path) -> Iterator[str]:
             f"{expect['quantity']} at {expect['at']:g} s: off by {expect['error']:.3g}, "
             f"tolerance {expect['tolerance']:g} ({expect['source']})",
         )
-    for warning in report["warnings"]:
+    for warning in (said for said in report["warnings"] if said not in report["plan"]["warnings"]):
         yield from paragraph("warning", warning)
-    yield f"  {'look':<{LABEL}}paraview {shlex.quote(str(directory / report['case']) + '.pvd')}"  # commands to copy are never wrapped
+    series = shlex.quote(f"{directory / report['case']}.pvd")
+    yield f"  {'look':<{LABEL}}paraview {series}"  # commands to copy are never wrapped
     yield f"  {'or':<{LABEL}}rbfem view {shlex.quote(str(directory))}"
 
 

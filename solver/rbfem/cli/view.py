@@ -18,6 +18,7 @@ def command(directory: Path, picture: Path | None, time: float | None) -> None:
     """
     from rbfem.results.view import draw
 
-    click.echo("drawing; a film takes up to a minute …", err=True)
+    if picture is None or picture.suffix.lower() != ".png":
+        click.echo("drawing; a film takes up to a minute …", err=True)
     for path in draw(directory, picture, time):
         click.echo(path)

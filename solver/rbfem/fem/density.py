@@ -29,8 +29,8 @@ class DensityField:
 def density_field(mesh: TetMesh, density: Density) -> DensityField:
     """Read a density in any of its forms against a mesh.
 
-    density : a number; or {group: number} for all volume groups; or an array, one value a tet or one a node (where a
-              mesh has as many tets as nodes, an array is taken as one value a tet)
+    density : a number; or {group: number} for volume groups that hold each tet once, whatever others there are; or an
+              array, one value a tet or one a node (one a tet where a mesh has as many tets as nodes)
     Raises InputError for a density that is not finite and positive, an array of another length, a group that the mesh
     does not have, and a tet that has no group or several.
     """
@@ -58,11 +58,14 @@ def field_of_file(mesh: TetMesh, name: str) -> NDArray[np.float64]:
     raise InputError(f"{mesh.source}: no scalar field '{name}' in the mesh; it has {', '.join(known) or 'none'}")
 
 
-def groups_of_tets(mesh: TetMesh) -> NDArray[np.int64]:
-    """(n_tets,) position of each tet's group in `mesh.groups`. Raises InputError unless each tet has exactly one."""
+def groups_of_tets(mesh: TetMesh, names: list[str]) -> NDArray[np.int64]:
+    """(n_tets,) which of the named groups each tet is in; groups that are not named do not count.
+
+    Raises InputError unless each tet is in exactly one.
+    """
     owner = np.full(mesh.n_tets, -1)
-    names = list(mesh.groups)
-    for index, (name, members) in enumerate(mesh.groups.items()):
+    for index, name in enumerate(names):
+        members = mesh.groups[name]
         taken = members[owner[members] >= 0]
         if len(taken):
             raise InputError(
@@ -72,22 +75,23 @@ def groups_of_tets(mesh: TetMesh) -> NDArray[np.int64]:
         owner[members] = index
     if (owner < 0).any():
         raise InputError(
-            f"{mesh.source}: {np.count_nonzero(owner < 0)} of {mesh.n_tets} tets are in no volume group; "
-            f"a density by group needs each tet in exactly one (groups: {', '.join(names) or 'none'})"
+            f"{mesh.source}: {np.count_nonzero(owner < 0)} of {mesh.n_tets} tets are in none of the groups "
+            f"{', '.join(repr(name) for name in names)}; a density by group needs each tet in exactly one, "
+            f"and the mesh has the groups {', '.join(mesh.groups) or 'none'}"
         )
     return owner
 
 
 def _by_group(mesh: TetMesh, density: Mapping[str, float]) -> NDArray[np.float64]:
     unknown = [name for name in density if name not in mesh.groups]
-    missing = [name for name in mesh.groups if name not in density]
-    if unknown or missing:
-        named = ", ".join(f"'{name}'" for name in unknown or missing)
-        fault = "the mesh has no group" if unknown else "no density is given for group"
-        raise InputError(f"{mesh.source}: {fault} {named}; its groups are {', '.join(mesh.groups) or 'none'}")
-    values = np.array([float(density[name]) for name in mesh.groups])
+    if unknown:
+        named = ", ".join(f"'{name}'" for name in unknown)
+        raise InputError(
+            f"{mesh.source}: the mesh has no group {named}; its groups are {', '.join(mesh.groups) or 'none'}"
+        )
+    values = np.array([float(value) for value in density.values()])
     _require_positive(values, mesh)
-    return values[groups_of_tets(mesh)]
+    return values[groups_of_tets(mesh, list(density))]
 
 
 def _require_positive(values: NDArray[np.float64], mesh: TetMesh) -> None:

@@ -127,6 +127,7 @@ def particle_sum(masses: ArrayLike, positions: ArrayLike) -> MassProperties:
     """Mass properties of point masses: I = Σ m_i (|r_i|² E - r_i ⊗ r_i) about their centre of mass; volume zero.
 
     masses (n,) kg, positions (n, 3) m. The limit of ever finer particles is the integral; no mesh is needed.
+    Points on a line have one moment of zero.
 
     >>> points = particle_sum([1, 1, 1, 1, 1, 1], np.vstack([np.eye(3), -np.eye(3)]))
     >>> np.diag(points.inertia)
@@ -135,7 +136,9 @@ def particle_sum(masses: ArrayLike, positions: ArrayLike) -> MassProperties:
     m, r = np.asarray(masses, dtype=float), np.asarray(positions, dtype=float)
     center = m @ r / m.sum()
     inertia = np.einsum("i,ijk->jk", m, point_inertia(r - center))
-    return from_tensor(float(m.sum()), 0.0, center, inertia, np.sqrt(len(m)) * UNIT_ROUNDOFF)
+    rounding = float(np.sqrt(len(m)) * UNIT_ROUNDOFF)
+    moments, axes = principal_axes(inertia, tolerance=10.0 * rounding)
+    return MassProperties(float(m.sum()), 0.0, center, inertia, moments, axes, rounding)
 
 
 def point_inertia(r: Array) -> Array:

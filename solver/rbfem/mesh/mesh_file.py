@@ -81,7 +81,7 @@ def check_extension(path: Path) -> None:
     if name.endswith(MADE_BY_RBFEM_MESH):
         raise InputError(
             f"{path}: a {path.suffix} file holds no tetrahedra that could be read; "
-            f"make them first: rbfem mesh {path.name} -o {path.stem}.msh"
+            f"make them first: rbfem mesh {path} -o {path.with_suffix('.msh')}, with the --unit of its numbers"
         )
     import meshio
 

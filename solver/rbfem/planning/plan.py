@@ -48,6 +48,7 @@ class Plan:
     output     : what is written
     accuracy   : the error the user accepts
     left_out   : what the scene's owner might have expected and will not find
+    warnings   : what was repaired in the meshes and what may be wrong with them
     """
 
     case: str
@@ -62,6 +63,7 @@ class Plan:
     output: Choice
     accuracy: float
     left_out: tuple[str, ...]
+    warnings: tuple[str, ...]
 
     def to_dict(self) -> dict[str, Any]:
         """Plain dictionaries and lists, for JSON."""
@@ -72,7 +74,7 @@ class Plan:
         """The plan that `to_dict` wrote, also after a way through JSON.
 
         >>> choice = Choice(1, "because")
-        >>> plan = Plan("x", 0, (), *[choice] * 7, 1e-3, ())
+        >>> plan = Plan("x", 0, (), *[choice] * 7, 1e-3, (), ())
         >>> Plan.from_dict(plan.to_dict()) == plan
         True
         """
@@ -81,4 +83,12 @@ class Plan:
             for one in data["models"]
         )
         choices = {key: Choice(**value) for key, value in data.items() if isinstance(value, dict)}
-        return cls(**{**data, **choices, "models": models, "left_out": tuple(data["left_out"])})
+        return cls(
+            **{
+                **data,
+                **choices,
+                "models": models,
+                "left_out": tuple(data["left_out"]),
+                "warnings": tuple(data["warnings"]),
+            }
+        )

@@ -72,6 +72,7 @@ def plan(scene: Scene, beyond_limit: bool = False) -> Plan:
         output=_output(scene),
         accuracy=scene.accuracy,
         left_out=_left_out(scene, models),
+        warnings=_mesh_warnings(scene),
     )
 
 
@@ -172,3 +173,8 @@ def _left_out(scene: Scene, models: NDArray[np.int64]) -> tuple[str, ...]:
     if fixed:
         left.append(f"the motion of {fixed} fixed bod{'y' if fixed == 1 else 'ies'}")
     return tuple(left)
+
+
+def _mesh_warnings(scene: Scene) -> tuple[str, ...]:
+    meshes = [part.mesh for part in scene.parts if part.mesh is not None]
+    return tuple(f"{mesh.source}: {said}" for mesh in meshes for said in (*mesh.repairs, *mesh.warnings))

@@ -48,7 +48,7 @@ def make_report(run: Run, clock: Clock) -> dict[str, Any]:
         "invariants": _invariants(run, run.first.balance, run.last.balance),
         "final": _final(run, run.last),
         "expect": [_expectation(result) for result in run.expectations],
-        "warnings": [*run.warnings, *_mesh_warnings(run)],
+        "warnings": [*run.warnings, *run.plan.warnings],
     }
 
 
@@ -123,11 +123,6 @@ def _expectation(result: ExpectationResult) -> dict[str, Any]:
         "pass": result.passed,
         "source": expectation.source,
     }
-
-
-def _mesh_warnings(run: Run) -> list[str]:
-    meshes = [part.mesh for part in run.scene.parts if part.mesh is not None]
-    return [f"{mesh.source}: {said}" for mesh in meshes for said in (*mesh.repairs, *mesh.warnings)]
 
 
 def _plain(value: Any) -> Any:

@@ -79,6 +79,7 @@ class Stage:
         self.plotter.add_text(
             title, name="title", position=(0.03, 0.94), viewport=True, color=INK, font_size=12, render=False
         )
+        self.plotter.renderer.ResetCameraClippingRange()  # or bodies far from those of the last frame are cut away
 
     def _add_parts(self, surface: Any) -> None:
         if self._colors is None and "velocity" in surface.point_data:

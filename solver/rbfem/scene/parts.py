@@ -83,17 +83,17 @@ def _filling(case: Case, material_name: str, mesh: TetMesh) -> tuple[Density, ND
     if material_name != BY_GROUP:
         density = _density(case.materials[material_name], mesh)
         return density, np.full(mesh.n_tets, _index(case, material_name))
-    unknown = [name for name in mesh.groups if name not in case.materials]
-    if unknown:
-        raise InputError(
-            f"material by-group: no material '{unknown[0]}' for the volume group of that name; "
-            f"the case has {', '.join(case.materials)}"
-        )
-    fields = [_density(case.materials[name], mesh) for name in mesh.groups]
-    owner = groups_of_tets(mesh)
+    names = [name for name in mesh.groups if name in case.materials]
+    try:
+        owner = groups_of_tets(mesh, names)
+    except InputError as error:
+        without = [name for name in mesh.groups if name not in case.materials]
+        hint = f"; no material is called {', '.join(repr(name) for name in without)}" if without else ""
+        raise InputError(f"material by-group: {error}{hint} (materials: {', '.join(case.materials)})") from None
+    fields = [_density(case.materials[name], mesh) for name in names]
     by_tet = [density_field(mesh, field).of_tets(mesh) for field in fields]
     density = np.choose(owner, by_tet) if len(by_tet) <= 32 else np.array(by_tet)[owner, np.arange(mesh.n_tets)]
-    return density, np.array([_index(case, name) for name in mesh.groups])[owner]
+    return density, np.array([_index(case, name) for name in names])[owner]
 
 
 def _density(material: Material, mesh: TetMesh) -> Density:

@@ -48,7 +48,7 @@ class MotionError:
     order: int
     position: float = 0.0
     attitude: float = 0.0
-    unknown_because: str = ""
+    unknown_because: str = "the run has not come to its first stop yet"
 
     @property
     def estimated(self) -> float | None:
@@ -57,7 +57,7 @@ class MotionError:
 
 @dataclass
 class Run:
-    """Iterate over it for its frames; `error`, `cost`, `drift`, `expectations` and `warnings` fill while it runs."""
+    """Iterate over it for its frames; `error`, `cost`, `largest_drift`, `expectations`, `warnings` fill meanwhile."""
 
     scene: Scene
     plan: Plan
@@ -122,6 +122,7 @@ class Run:
         turned = quaternion.angle_between(frame.quaternion, companion.quaternion)
         self.error.position = max(self.error.position, float(apart.max()))
         self.error.attitude = max(self.error.attitude, float(turned[models > TRANSLATING].max(initial=0.0)))
+        self.error.unknown_because = ""
 
     def _check_state(self, state: State, models) -> None:
         wrong = _blown_up(state)
@@ -192,5 +193,7 @@ def simulate(scene: Scene, plan: Plan) -> Run:
 
     Raises RunError, while it runs, when a state is no longer finite.
     """
-    unknown = "" if plan.verify.value else "the plan asks for no companion run"
-    return Run(scene, plan, MotionError(METHODS[str(plan.method.value)].order, unknown_because=unknown))
+    error = MotionError(METHODS[str(plan.method.value)].order)
+    if not plan.verify.value:
+        error.unknown_because = "the plan asks for no companion run"
+    return Run(scene, plan, error)
