@@ -160,7 +160,8 @@ def test_spin_counts_the_start_and_what_constant_torques_add_until_the_end(scene
     brick = {"angular_velocity": [3, 0, 4], "loads": [{"torque": [0, 2, 0], "ramp": [[0, 0], [1, 0.5]]}]}
     scene = scene_of(brick, time={"end": 4})
     smallest = 6.0 * (0.1**2 + 0.2**2) / 12
-    assert fastest(scene).spin == pytest.approx(5 + 0.5 * 2 * 4 / smallest, rel=1e-12)
+    lasting = 0.25 + 0.5 * 3  # ∫ factor dt
+    assert fastest(scene).spin == pytest.approx(5 + 2 * lasting / smallest, rel=1e-12)
     assert fastest(scene_of({"angular_velocity": [3, 0, 4]})).step_limit == pytest.approx(2 / 5, rel=1e-12)
 
 

@@ -12,6 +12,8 @@ from pydantic_core import CoreSchema, core_schema
 from rbfem.case.units import Dimension, to_si
 from rbfem.case.wording import shown
 
+LARGEST = 1e50  # in SI; beyond, products of a few numbers no longer fit a float
+
 
 @dataclass(frozen=True)
 class Quantity:
@@ -28,6 +30,8 @@ class Quantity:
         if self.word is not None and value == self.word:
             return self.word
         number = to_si(value, self.dimension, self.expected)
+        if abs(number) > LARGEST:
+            raise ValueError(f"expected {self.expected} of at most {LARGEST:.0e} in size, read {shown(value)}")
         if not self._is_within(number):
             raise ValueError(f"expected {self.expected}, read {shown(value)}")
         return number

@@ -44,6 +44,8 @@ def main(arguments: list[str] | None = None) -> None:
     except BrokenPipeError:
         sys.stderr.close()  # the reader of a pipe has had enough; say nothing more
         code = 1
+    except OSError as error:
+        code = _told(f"rbfem: {error.strerror or error}", 1)
     sys.exit(code or 0)
 
 

@@ -21,7 +21,7 @@ class Progress:
 
     def __init__(self, scene: Scene, plan: Plan):
         self._scene, self._plan = scene, plan
-        self._is_terminal = sys.stderr.isatty()
+        self._is_terminal = sys.stderr is not None and sys.stderr.isatty()
         self._told = time.monotonic()
 
     def __enter__(self) -> Self:

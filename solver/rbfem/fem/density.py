@@ -9,8 +9,6 @@ from numpy.typing import ArrayLike, NDArray
 from rbfem.errors import InputError
 from rbfem.mesh.tet_mesh import TetMesh
 
-Density = float | Mapping[str, float] | ArrayLike
-
 
 @dataclass(frozen=True)
 class DensityField:
@@ -26,6 +24,9 @@ class DensityField:
         return np.broadcast_to(self.values, (mesh.n_tets,))
 
 
+Density = float | Mapping[str, float] | ArrayLike | DensityField
+
+
 def density_field(mesh: TetMesh, density: Density) -> DensityField:
     """Read a density in any of its forms against a mesh.
 
@@ -34,6 +35,8 @@ def density_field(mesh: TetMesh, density: Density) -> DensityField:
     Raises InputError for a density that is not finite and positive, an array of another length, a group that the mesh
     does not have, and a tet that has no group or several.
     """
+    if isinstance(density, DensityField):
+        return density
     if isinstance(density, Mapping):
         return DensityField(_by_group(mesh, density), is_nodal=False)
     values = np.asarray(density, dtype=float)
@@ -49,11 +52,13 @@ def density_field(mesh: TetMesh, density: Density) -> DensityField:
     return DensityField(np.ascontiguousarray(values), is_nodal=values.shape != (mesh.n_tets,))
 
 
-def field_of_file(mesh: TetMesh, name: str) -> NDArray[np.float64]:
+def field_of_file(mesh: TetMesh, name: str) -> DensityField:
     """A scalar field of the mesh file, as a density: of the cells if there is one of that name, else of the nodes."""
-    for fields in (mesh.cell_fields, mesh.point_fields):
+    for fields, is_nodal in ((mesh.cell_fields, False), (mesh.point_fields, True)):
         if name in fields:
-            return fields[name]
+            values = np.ascontiguousarray(fields[name], dtype=float)
+            _require_positive(values, mesh)
+            return DensityField(values, is_nodal)
     known = sorted({*mesh.cell_fields, *mesh.point_fields})
     raise InputError(f"{mesh.source}: no scalar field '{name}' in the mesh; it has {', '.join(known) or 'none'}")
 

@@ -194,6 +194,12 @@ def with_merged_nodes(file: MeshFile) -> MeshFile:
     merged = int((target != np.arange(len(target))).sum())
     if not merged:
         return file
+    torn = [name for name, values in file.point_fields.items() if not np.array_equal(values[target], values)]
+    if torn:
+        raise InputError(
+            f"the point field '{torn[0]}' has two values where nodes lie at the same place: it jumps there; "
+            "give it as a cell field"
+        )
     blocks = tuple(replace(block, nodes=target[block.nodes]) for block in file.blocks)
     return replace(
         file, blocks=blocks, repairs=(*file.repairs, f"{merged} nodes merged with another at the same place")

@@ -65,6 +65,8 @@ def size_of(path: Path) -> int:
     try:
         if path.is_dir():
             raise InputError(f"{path}: is a directory, expected a mesh file")
+        if path.exists() and not path.is_file():
+            raise InputError(f"{path}: is no ordinary file, expected a mesh file")
         with path.open("rb") as stream:
             size = stream.seek(0, 2)
     except FileNotFoundError:

@@ -1,5 +1,6 @@
 """The fastest swing, decay and spin of a scene, from which the longest stable step follows."""
 
+import itertools
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -19,7 +20,7 @@ DENSE_BODIES = 50  # above, Lanczos finds the largest eigenvalue of an island so
 @dataclass(frozen=True)
 class Frequencies:
     """oscillation: ω_max of the springs and hanging weights, rad/s; decay: largest c/2m of the dampers and drags, 1/s;
-    spin: largest rate of rotation at the start and under constant torques until the end, rad/s."""
+    spin: largest rate of rotation at the start and what the given torques can add until the end, rad/s."""
 
     oscillation: float
     decay: float
@@ -192,11 +193,25 @@ def _fastest_spin(scene: Scene, models: NDArray[np.int64]) -> float:
     torque = np.where((kind == kinds.COUPLE)[:, None], values[:, 0:3], values[:, 3:6])
     lasting = np.where((kind == kinds.COUPLE) | (kind == kinds.WRENCH), np.linalg.norm(torque, axis=1), 0.0)
     owners = np.repeat(np.arange(scene.n_bodies), np.diff(scene.first_load))
-    reach = (
-        _largest_factor(scene.loads, scene.loads.ramp) * lasting * scene.end_time / scene.reference.moments[owners, 0]
-    )
-    np.add.at(spin, owners, reach)
+    gained, steady = np.zeros(scene.n_bodies), np.zeros(scene.n_bodies)
+    np.add.at(gained, owners, _lasting_factor(scene) * lasting / scene.reference.moments[owners, 0])
+    np.add.at(steady, owners, _largest_factor(scene.loads, scene.loads.ramp) * lasting)
+    drag = np.zeros(scene.n_bodies)
+    np.add.at(drag, owners, np.where(kind == kinds.DRAG, values[:, 1], 0.0))
+    settles_at = np.divide(steady, drag, out=np.full(scene.n_bodies, np.inf), where=drag > 0.0)
+    spin = spin + np.minimum(gained, settles_at)
     return float(spin[models > TRANSLATING].max(initial=0.0))
+
+
+def _lasting_factor(scene: Scene) -> Array:
+    """∫ |factor| dt over the run of the ramp of each row of the load table, s; the run's length without a ramp."""
+    loads, end = scene.loads, scene.end_time
+    areas = [end]
+    for first, last in itertools.pairwise(loads.ramp_first):
+        times = np.unique(np.clip([0.0, *loads.ramp_time[first:last], end], 0.0, end))
+        factors = np.abs(np.interp(times, loads.ramp_time[first:last], loads.ramp_factor[first:last]))
+        areas.append(float(np.trapezoid(factors, times)))
+    return np.array(areas)[loads.ramp + 1]
 
 
 def _largest_factor(loads: Loads, ramp: NDArray[np.int64]) -> Array:

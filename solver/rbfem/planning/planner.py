@@ -30,6 +30,7 @@ PYTHON_STEP, PYTHON_PUSHED_STEP = 10e-6, 270e-6
 KERNEL_STEP, KERNEL_PUSHED_STEP = 60e-9, 450e-9
 NUMBA_START, COMPILATION, PARALLEL_START = 1.0, 12.0, 1.0
 BODIES_A_THREAD = 2000
+MOST_FRAMES, MOST_STEPS = 1e6, 1e13
 
 
 @dataclass(frozen=True)
@@ -52,12 +53,14 @@ def plan(scene: Scene, beyond_limit: bool = False) -> Plan:
     beyond_limit : go on where the step asked for is beyond the stability limit
     Raises InputError for a method that does not exist and for a step beyond the limit.
     """
+    _refuse_endless("output.every", scene.end_time / scene.output_interval, MOST_FRAMES, "frames")
     models = choose_models(scene)
     islands = find_islands(scene, models)
     fastest = frequencies(scene, models, islands)
     method = _method(scene)
     limit = _step_limit(fastest)
     step = _step(scene, fastest, str(method.value), beyond_limit)
+    _refuse_endless("time.step", scene.end_time / float(step.value), MOST_STEPS, "steps")
     verify = Choice(True, "a companion run at twice the step tells the error of this one", cost="half as much again")
     return Plan(
         case=scene.name,
@@ -74,6 +77,13 @@ def plan(scene: Scene, beyond_limit: bool = False) -> Plan:
         left_out=_left_out(scene, models),
         warnings=_mesh_warnings(scene),
     )
+
+
+def _refuse_endless(key: str, count: float, most: float, what: str) -> None:
+    if not count <= most:
+        raise InputError(
+            f"{key}: the run would take {count:.3g} {what}, and {most:.0e} are the most; nobody would see its end"
+        )
 
 
 def _method(scene: Scene) -> Choice:

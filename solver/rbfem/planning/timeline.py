@@ -10,7 +10,7 @@ from rbfem.scene.scene import Scene
 
 Array = NDArray[np.float64]
 
-NEAR = 1e-9  # times this share of an output interval apart are one
+NEAR = 1e-9  # times this share of an output interval, or of the run if that is shorter, apart are one
 
 
 @dataclass(frozen=True)
@@ -36,14 +36,20 @@ def n_frames(scene: Scene) -> int:
     return len(output_times(scene))
 
 
+def nearness(scene: Scene) -> float:
+    """Times closer than this, s, are one."""
+    return NEAR * min(scene.output_interval, scene.end_time)
+
+
 def stops(scene: Scene) -> list[Stop]:
     """Every time after zero at which a step must end, ascending."""
     outputs = output_times(scene)[1:]
     extra = np.concatenate([scene.loads.ramp_time, [expect.time for expect in scene.expectations]])
-    extra = extra[(extra > 0.0) & (extra < scene.end_time)]
+    near = nearness(scene)
+    extra = extra[(extra > near) & (extra < scene.end_time)]
     nearest = np.abs(extra[:, None] - outputs[np.searchsorted(outputs, extra).clip(0, len(outputs) - 1)][:, None])
     before = np.abs(extra[:, None] - outputs[(np.searchsorted(outputs, extra) - 1).clip(0)][:, None])
-    new = np.unique(extra[(np.minimum(nearest, before) > NEAR * scene.output_interval).ravel()])
+    new = np.unique(extra[(np.minimum(nearest, before) > near).ravel()])
     every = [Stop(float(time), True) for time in outputs] + [Stop(float(time), False) for time in new]
     return sorted(every, key=lambda stop: stop.time)
 

@@ -11,7 +11,7 @@ from rbfem.results.bodies import BodiesGrid
 from rbfem.results.growing_file import GrowingFile
 from rbfem.results.table import TableWriter
 from rbfem.results.vtu import SceneGrid
-from rbfem.results.whole_file import reason, require_writable, temporary_path
+from rbfem.results.whole_file import FolderLock, reason, require_writable, temporary_path
 from rbfem.scene.scene import Scene
 from rbfem.simulation.frame import Frame
 
@@ -32,13 +32,14 @@ class SeriesWriter:
     .csv are brought up to date after a frame whenever that costs less than a hundredth of the run, and at the end.
 
     What an earlier run of the same case left in the directory is removed first (see `remove_earlier_run`); every other
-    file is left alone. Raises InputError if the directory cannot be written to, RunError if a file cannot be written
-    later on; what was written before then is readable.
+    file is left alone. Raises InputError if the directory cannot be written to or another run is writing to it,
+    RunError if a file cannot be written later on; what was written before then is readable.
     """
 
     def __init__(self, scene: Scene, directory: Path):
         require_writable(directory)
         require_writable(directory / FRAMES)
+        self._lock = FolderLock(directory)
         remove_earlier_run(scene.name, directory)
         self._name = scene.name
         self._directory = directory
@@ -63,6 +64,7 @@ class SeriesWriter:
         for pvd in self._lists.values():
             pvd.close()
         self._table.close()
+        self._lock.release()
 
     def __enter__(self) -> Self:
         return self

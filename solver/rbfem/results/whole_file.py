@@ -64,6 +64,32 @@ def require_writable(directory: Path) -> None:
         ) from error
 
 
+class FolderLock:
+    """Keeps a second run out of a folder while the first writes to it; the system lifts it when a process dies.
+
+    Raises InputError if another process holds it.
+    """
+
+    def __init__(self, directory: Path):
+        import fcntl
+
+        self._path = directory / ".rbfem_lock"
+        self._file = self._path.open("w")
+        try:
+            fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError as error:
+            self._file.close()
+            raise InputError(
+                f"{directory}: another run is writing to this folder; wait for it, or choose another with -o"
+            ) from error
+
+    def release(self) -> None:
+        """Let others in; releasing twice does no harm."""
+        if not self._file.closed:
+            self._path.unlink(missing_ok=True)
+            self._file.close()
+
+
 def reason(error: BaseException | None) -> str:
     """The cause of an OSError in the system's own words, without its number and paths.
 

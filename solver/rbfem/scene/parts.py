@@ -91,7 +91,10 @@ def _filling(case: Case, material_name: str, mesh: TetMesh) -> tuple[Density, ND
         hint = f"; no material is called {', '.join(repr(name) for name in without)}" if without else ""
         raise InputError(f"material by-group: {error}{hint} (materials: {', '.join(case.materials)})") from None
     fields = [_density(case.materials[name], mesh) for name in names]
-    by_tet = [density_field(mesh, field).of_tets(mesh) for field in fields]
+    checked = [density_field(mesh, field) for field in fields]
+    if any(field.is_nodal for field in checked):
+        raise InputError("material by-group: a density that varies from node to node cannot be of one group only")
+    by_tet = [field.of_tets(mesh) for field in checked]
     density = np.choose(owner, by_tet) if len(by_tet) <= 32 else np.array(by_tet)[owner, np.arange(mesh.n_tets)]
     return density, np.array([_index(case, name) for name in names])[owner]
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from rbfem.errors import RunError
+from rbfem.errors import InputError, RunError
 from rbfem.motion import quaternion
 from rbfem.motion.methods import METHODS
 from rbfem.motion.model import TRANSLATING
@@ -16,7 +16,7 @@ from rbfem.motion.state import State, angular_velocity_world, move
 from rbfem.planning.models import models_of
 from rbfem.planning.plan import Plan
 from rbfem.planning.system import build_system
-from rbfem.planning.timeline import Stop, steps_between, stops
+from rbfem.planning.timeline import Stop, nearness, steps_between, stops
 from rbfem.scene.scene import Scene
 from rbfem.simulation.expectations import ExpectationResult, check_expectation
 from rbfem.simulation.frame import Frame
@@ -70,6 +70,8 @@ class Run:
     largest_drift: dict[str, float] = field(default_factory=dict)
 
     def __iter__(self) -> Iterator[Frame]:
+        if self.first is not None:
+            raise RunError("a run goes through its frames once; simulate(scene, plan) makes another")
         models = models_of(self.plan.models, self.scene.n_bodies)
         system = build_system(self.scene, models)
         state = starting_state(self.scene)
@@ -169,7 +171,7 @@ class Run:
 
     def _expect(self, frame: Frame) -> None:
         for expectation in self.scene.expectations:
-            if abs(expectation.time - frame.time) <= 1e-9 * self.scene.output_interval:
+            if abs(expectation.time - frame.time) <= nearness(self.scene):
                 self.expectations.append(check_expectation(expectation, self.scene, frame))
 
 
@@ -191,8 +193,12 @@ def steps_a_call(n_bodies: int, backend: str) -> int:
 def simulate(scene: Scene, plan: Plan) -> Run:
     """A run of a scene by a plan: an iterator of Frames, the first at time zero, the last at the end.
 
-    Raises RunError, while it runs, when a state is no longer finite.
+    Raises InputError for the plan of another scene, RunError, while it runs, when a state is no longer finite.
     """
+    if plan.n_bodies != scene.n_bodies:
+        raise InputError(
+            f"the plan is for {plan.n_bodies} bodies and the scene has {scene.n_bodies}: make one with plan(scene)"
+        )
     error = MotionError(METHODS[str(plan.method.value)].order)
     if not plan.verify.value:
         error.unknown_because = "the plan asks for no companion run"
