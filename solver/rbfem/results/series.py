@@ -10,6 +10,7 @@ from rbfem.errors import InputError, RunError
 from rbfem.results.bodies import BodiesGrid
 from rbfem.results.growing_file import GrowingFile
 from rbfem.results.table import TableWriter
+from rbfem.results.vtk_file import load_vtk
 from rbfem.results.vtu import SceneGrid
 from rbfem.results.whole_file import FolderLock, reason, require_writable, temporary_path
 from rbfem.scene.scene import Scene
@@ -40,6 +41,7 @@ class SeriesWriter:
         require_writable(directory)
         require_writable(directory / FRAMES)
         self._lock = FolderLock(directory)
+        load_vtk()
         remove_earlier_run(scene.name, directory)
         self._name = scene.name
         self._directory = directory

@@ -1,7 +1,10 @@
 """What the series of surfaces and the series of bodies share: arrays handed to VTK, a grid written by VTK's writer."""
 
 import errno
+import importlib
 import os
+import signal
+import threading
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
@@ -14,6 +17,21 @@ from rbfem.results.whole_file import whole_file
 # VTK reports the system's errno as it is, and its own errors from 20000 on; this one says that the disk is full.
 VTK_FIRST_OWN_ERROR = 20000
 VTK_OUT_OF_DISK_SPACE = 20007
+
+
+def load_vtk() -> None:
+    """Import what the frames need of VTK, with Ctrl-C held back: a library interrupted as it loads may crash."""
+    if threading.current_thread() is not threading.main_thread():
+        return  # only the main thread is ever interrupted, and only it may say what an interrupt does
+    interrupts: list[int] = []
+    before = signal.signal(signal.SIGINT, lambda number, frame: interrupts.append(number))
+    try:
+        for module in ("util.numpy_support", "vtkCommonDataModel", "vtkIOXML"):
+            importlib.import_module(f"vtkmodules.{module}")
+    finally:
+        signal.signal(signal.SIGINT, before)
+    if interrupts:
+        raise KeyboardInterrupt
 
 
 def named_array(name: str, values: NDArray, components: tuple[str, ...] = ()) -> Any:
