@@ -39,8 +39,8 @@ def command(
 ) -> None:
     """Mass, centre of mass and inertia tensor of MESH, and how wrong they can be.
 
-    --density takes a number in kg/m^3 or with a unit ("7.85 g/cm^3"); GROUP=NUMBER, once for every volume group; or
-    field:NAME, a scalar cell or point field of the mesh file.
+    --density takes a number in kg/m^3 or with a unit ("7.85 g/cm^3"); GROUP=NUMBER, once for each of the volume
+    groups that make up the part; or field:NAME, a scalar cell or point field of the mesh file.
     """
     from rbfem.cli import inertia_formats
     from rbfem.fem.inertia_error import inertia_error
