@@ -3,6 +3,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from rbfem.errors import InputError
 from rbfem.mesh.check import summarize
 from rbfem.mesh.geometry import EDGES, signed_volumes
 from rbfem.mesh.mesh_file import CellBlock, MeshFile
@@ -70,6 +71,19 @@ def test_nodes_at_the_same_place_are_merged(write):
     assert mesh.warnings == ()
     apart = points + np.where(np.arange(8) == 6, 1e-9, 0.0)[:, None]
     assert "2 nodes merged" in read_mesh(write(apart, [("tetra", tets)])).repairs[0]
+
+
+@pytest.mark.parametrize("jump", [0.0, 1.0])
+def test_a_point_field_that_jumps_between_nodes_at_the_same_place_is_refused(write, jump):
+    """Merged, the nodes could keep one of the two values only."""
+    points = np.vstack([SQUARES, SQUARES[1:4]])
+    density = np.array([9.0, 1, 2, 3, 9, 1, 2, 3 + jump])
+    path = write(points, [("tetra", np.array([[0, 1, 2, 3], [5, 6, 7, 4]]))], point_data={"density": density})
+    if jump:
+        with pytest.raises(InputError, match="point field 'density' has two values.*give it as a cell field"):
+            read_mesh(path)
+    else:
+        assert read_mesh(path).point_fields["density"].tolist() == [9, 1, 2, 3, 9]
 
 
 def test_an_unused_node_is_dropped_even_if_it_is_not_a_number(write):

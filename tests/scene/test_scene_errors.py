@@ -119,5 +119,14 @@ def test_by_group_on_a_mesh_without_groups_is_refused(message, tmp_path):
     assert "case.yaml:3: shapes.bracket: " in said and "group" in said
 
 
+def test_by_group_with_a_density_from_node_to_node_is_refused(message, tmp_path):
+    """A node between two groups would have the densities of both."""
+    fields = {"point_data": {"rho": np.ones(4)}, "cell_data": {"gmsh:physical": [np.array([7])]}}
+    meshio.write(tmp_path / "nodal.vtu", meshio.Mesh(CORNER, TET, **fields))
+    field = ("rubber: {density: 1100}", "physical_7: {density: {field: rho}}")
+    said = message(("material: steel", "material: by-group"), field, mesh="nodal.vtu")
+    assert "case.yaml:3: shapes.bracket: " in said and "varies from node to node" in said
+
+
 def test_a_mesh_may_not_come_in_a_unit_of_another_dimension(message):
     assert "case.yaml:3: shapes.bracket.unit: " in message(("msh}", "msh, unit: kg}"))
