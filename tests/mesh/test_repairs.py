@@ -80,7 +80,7 @@ def test_a_point_field_that_jumps_between_nodes_at_the_same_place_is_refused(wri
     density = np.array([9.0, 1, 2, 3, 9, 1, 2, 3 + jump])
     path = write(points, [("tetra", np.array([[0, 1, 2, 3], [5, 6, 7, 4]]))], point_data={"density": density})
     if jump:
-        with pytest.raises(InputError, match="point field 'density' has two values.*give it as a cell field"):
+        with pytest.raises(InputError, match=r"point field 'density' has two values.*give it as a cell field"):
             read_mesh(path)
     else:
         assert read_mesh(path).point_fields["density"].tolist() == [9, 1, 2, 3, 9]

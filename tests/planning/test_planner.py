@@ -145,7 +145,7 @@ def test_a_whole_run_of_a_small_scene_never_imports_numba(write_case, tmp_path):
     command = [sys.executable, "-X", "importtime", "-m", "rbfem", "run", str(case), "-o", str(tmp_path / "out")]
     told = subprocess.run(command, capture_output=True, text=True, check=True, timeout=60)
     imported = {line.rpartition("|")[2].strip() for line in told.stderr.splitlines() if line.startswith("import time:")}
-    libraries = {name.split(".")[0] for name in imported}  # a package that importlib loads is listed by its modules only
+    libraries = {name.split(".")[0] for name in imported}  # what importlib loads is listed by its modules only
     assert "rbfem.motion.advance" in imported and "vtkmodules" in libraries  # it did run and it did write
     assert not libraries & {"numba", "llvmlite"}
 

@@ -18,8 +18,8 @@ from rbfem.results.whole_file import whole_file
 VTK_FIRST_OWN_ERROR = 20000
 VTK_OUT_OF_DISK_SPACE = 20007
 
-# Bytes that VTK's writer hands to the system at once. Its own 32 KiB make a frame of 9 MB take half as long again; the file
-# is the same, since raw data that is not compressed is not cut into blocks.
+# Bytes that VTK's writer hands to the system at once. Its own 32 KiB make a frame of 9 MB take half as long again; the
+# file is the same, since raw data that is not compressed is not cut into blocks.
 BLOCK_SIZE = 1 << 20
 
 
