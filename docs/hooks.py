@@ -2,6 +2,7 @@
 
 import ast
 import inspect
+import math
 import sys
 import textwrap
 from collections.abc import Iterator
@@ -46,25 +47,39 @@ def methods_table() -> str:
     """The rows of `rbfem.motion.methods.METHODS`."""
     from rbfem.motion.methods import METHODS
 
-    head = "| method | what it does | order | evaluations a step | a swing stays bounded to Δt ω = | source |"
+    titles = ("method", "what it does", "order", "with dampers", "evaluations a step", "bounded to Δt ω =", "keeps")
+    head = f"| {' | '.join((*titles, 'fails', 'source'))} |"
     rows = [
-        f"| `{name}` | {row.summary} | {row.order} | {row.evaluations} | {_limit(row.oscillation_limit)} "
-        f"| {row.source} |"
+        f"| `{name}` | {row.summary} | {_order(row.order)} | {_order(row.damped_order)} | {_count(row)} "
+        f"| {_limit(row.oscillation_limit)} | {row.preserves} | {row.fails} | {row.source} |"
         for name, row in METHODS.items()
     ]
-    return "\n".join([head, "|---|---|---|---|---|---|", *rows])
+    return "\n".join([head, "|" + "---|" * head.count(" |"), *rows])
+
+
+def _order(order: float) -> str:
+    return "none: exact" if math.isinf(order) else f"{order:g}"
+
+
+def _count(row: Any) -> str:
+    return "its own steps" if row.is_adaptive else str(row.evaluations)
 
 
 def plan_costs() -> str:
-    """What the plan takes a body-step to cost, of bodies under gravity alone and of pushed ones."""
+    """What the plan takes the parts of a run to cost."""
     from rbfem.planning import planner
 
-    python = f"{1e6 * planner.PYTHON_STEP:.0f} and {1e6 * planner.PYTHON_PUSHED_STEP:.0f} µs"
-    kernel = f"{1e9 * planner.KERNEL_STEP:.0f} and {1e9 * planner.KERNEL_PUSHED_STEP:.0f} ns"
-    return f"- `python`: {python} a body-step\n- `serial`: {kernel} a body-step\n"
+    kinds = {"a step of a coasting body": "STEP", "an evaluation of the loads": "EVALUATION", "a free flight": "FLIGHT"}
+    return "".join(
+        f"- {what}: {1e6 * getattr(planner, f'PYTHON_{name}'):.0f} µs interpreted, "
+        f"{1e9 * getattr(planner, f'KERNEL_{name}'):.0f} ns compiled\n"
+        for what, name in kinds.items()
+    )
 
 
 def _limit(limit: float) -> str:
+    if math.isinf(limit):
+        return "any"
     return f"{limit:.3g}" if limit else "none: it grows at every step"
 
 

@@ -17,7 +17,7 @@ KNOWN_WARNINGS: dict[str, tuple[str, ...]] = {}
 
 
 def test_there_are_cases():
-    assert len(FOLDERS) >= 7
+    assert len(FOLDERS) >= 11
 
 
 @pytest.mark.parametrize("folder", FOLDERS, ids=lambda folder: folder.name)

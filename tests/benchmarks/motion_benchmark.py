@@ -6,8 +6,8 @@ import numpy as np
 from measuring import Effort, Row, in_time, missing, peer, smallest_times
 
 from rbfem.motion.loads import SPRING
-from rbfem.motion.model import RIGID, Bodies, Islands, Loads
-from rbfem.motion.state import State, System, initial_state, move
+from rbfem.motion.model import RIGID, Bodies, Loads
+from rbfem.motion.state import State, System, initial_state, make_islands, move
 from rbfem.simulation.run import steps_a_call
 
 N_BODIES, N_MANY = 1e4, 1e6
@@ -99,7 +99,7 @@ def tumbling(n: int, is_sprung: bool = False) -> tuple[State, System]:
     first_load = np.arange(n + 1) if is_sprung else np.zeros(n + 1, dtype=np.int64)
     is_pushed = np.full(n, int(is_sprung))
     bodies = Bodies(np.full(n, RIGID), np.ones(n), np.ones(n), 1.0 / moments, np.zeros((n, 3)), first_load, is_pushed)
-    islands = Islands(np.arange(n), np.arange(n + 1))
+    islands = make_islands(np.arange(n), np.arange(n + 1), loads, first_load)
     attitude = random.normal(size=(n, 4))
     attitude /= np.linalg.norm(attitude, axis=1, keepdims=True)
     thrown = [random.normal(size=(n, 3)) for _ in range(3)]

@@ -82,7 +82,15 @@ def test_every_value_of_the_example_is_read_in_si(folder):
     assert case.materials["sponge"].density == MeshField(field="rho")
     assert nut.angular_velocity == pytest.approx((0.0, 0.0, math.radians(30)), rel=3e-16)
     assert nut.loads[0] == ForceLoad(force=(0, 0, 10), at=(0, 0, 0.005), frame="body", ramp=((0, 0), (0.5, 1)))
-    assert [load.kind for load in nut.loads] == ["force", "torque", "pressure", "traction", "spring", "drag"]
+    assert [load.kind for load in nut.loads] == [
+        "force",
+        "torque",
+        "pressure",
+        "traction",
+        "spring",
+        "drag",
+        "gravity_gradient",
+    ]
     assert nut.loads[2].pressure == 2000.0
     assert nut.loads[4].spring.to == PointOfBody(body="wall", at=(0, 0, 0.05))
     assert case.bodies[2].place.in_box == ((-0.5, -0.5, 1.0), (0.5, 0.5, 2.0))
@@ -358,7 +366,7 @@ def test_a_mistake_in_a_body_is_told(folder, keys, message):
 @pytest.mark.parametrize(
     ("load", "message"),
     [
-        ("3", "bodies.c.loads.0: expected one of force, torque, pressure, traction, spring, drag, read 3"),
+        ("3", "bodies.c.loads.0: expected one of force, torque, pressure, traction, spring, drag, gravity_grad"),
         ("{forse: [0, 0, 1]}", "bodies.c.loads.0: expected one of force, torque"),
         ("{forse: [0, 0, 1]}", "; did you mean 'force'?"),
         ("{}", "bodies.c.loads.0: expected one of force"),
@@ -397,10 +405,52 @@ def test_a_mistake_in_a_body_is_told(folder, keys, message):
             "{drag: {angular: 1 N s/m}}",
             "drag.angular: expected an angular damping in N m s that is at least 0, read '1",
         ),
+        (
+            "{gravity_gradient: {rate: 1, start: [1, 0, 0]}}",
+            "gravity_gradient: missing key 'normal' (Axis of the orbit",
+        ),
+        (
+            "{gravity_gradient: {rate: 0, normal: [0, 0, 1], start: [1, 0, 0]}}",
+            "rate: expected a positive angular velocity in rad/s, read 0",
+        ),
+        (
+            "{gravity_gradient: {rate: 1 Hz, normal: [0, 0, 1], start: [1, 0, 0]}}",
+            "rate: expected a positive angular velocity in rad/s, read '1 Hz'",
+        ),
+        (
+            "{gravity_gradient: {rate: 1, normal: [0, 0, 0], start: [1, 0, 0]}}",
+            "gravity_gradient.normal: expected a direction (it is scaled to length 1), read [0.0, 0.0, 0.0], whi",
+        ),
+        (
+            "{gravity_gradient: {rate: 1, normal: [0, 0, 1], start: [0, 0, 0]}}",
+            "gravity_gradient.start: expected a direction (it is scaled to length 1), read [0.0, 0.0, 0.0], whi",
+        ),
+        (
+            "{gravity_gradient: {rate: 1, normal: [0, 0, 2], start: [3, 0, 3]}}",
+            "gravity_gradient.start: expected a direction at right angles to `normal`, read one at 45 deg to it; ",
+        ),
+        (
+            "{gravity_gradient: {rate: 1, normal: [0, 1, 2], start: [0, 1, -0.50000001]}}",
+            "start: expected a direction at right angles to `normal`, read one at 90.0000004",
+        ),
+        ("{gravity_gradient: {rate: 1, normal: 3, start: [1, 0, 0]}}", "normal: expected a list of 3 numbers, read 3"),
     ],
 )
 def test_a_mistake_in_a_load_is_told(folder, load, message):
     assert message in refusal(with_load(load))
+
+
+def test_a_gravity_gradient_takes_directions_of_any_length(folder):
+    field = "{gravity_gradient: {rate: 1 deg/min, normal: [0, 3e-30, 4e-30], start: [0, -8, 6]}}"
+    gradient = read(with_load(field)).bodies[2].loads[0].gravity_gradient
+    assert gradient.rate == pytest.approx(math.radians(1) / 60)
+    assert gradient.normal == pytest.approx((0.0, 0.6, 0.8)) and gradient.start == pytest.approx((0.0, -0.8, 0.6))
+
+
+def test_a_gravity_gradient_is_refused_on_a_pivot(folder):
+    field = "{gravity_gradient: {rate: 1, normal: [0, 0, 1], start: [1, 0, 0]}}"
+    told = refusal(with_body(f"pivot: [0, 0, 0], loads: [{{torque: [1, 0, 0]}}, {field}]"))
+    assert "bodies.c.loads.1.gravity_gradient: 'gravity_gradient' does not go with 'pivot': its torque is that" in told
 
 
 GOOD_EXPECT = {"quantity": "bodies.a.mass", "value": "1", "tolerance": "1e-3", "source": "sum"}

@@ -11,6 +11,8 @@ from rbfem.cli import commands, main
 
 SPRUNG = {"shape": "ball", "position": [0.3, 0, 0], "loads": [{"spring": {"to": [0, 0, 0], "stiffness": 250.0}}]}
 
+COMMANDS = ("run", "plan", "inertia", "mesh", "view", "schema", "chart", "stability")
+
 
 def say(*words):
     return CliRunner().invoke(commands, [str(word) for word in words], catch_exceptions=False)
@@ -32,12 +34,13 @@ def test_help_is_quick_to_start_it_imports_no_numpy(rbfem):
         "vtkmodules",
         "gmsh",
         "rich",
+        "matplotlib",
     }
-    for name in ("run", "plan", "inertia", "mesh", "view", "schema"):
+    for name in COMMANDS:
         assert re.search(rf"^  {name} ", done.stdout, re.MULTILINE)
 
 
-@pytest.mark.parametrize("name", ["run", "plan", "inertia", "mesh", "view", "schema"])
+@pytest.mark.parametrize("name", COMMANDS)
 def test_every_command_explains_itself(name):
     done = say(name, "--help")
     assert done.exit_code == 0 and len(done.output) > 60
@@ -71,7 +74,7 @@ def test_a_case_that_is_not_there_exits_with_2(command, tmp_path, capsys):
 def test_plan_tells_every_choice_and_runs_nothing(write_case, tmp_path):
     done = say("plan", write_case([SPRUNG, {"fixed": True}]))
     assert done.exit_code == 0
-    for word in ("2 bodies", "translating", "fixed", "contact", "rk4", "step limit", "backend", "left out"):
+    for word in ("2 bodies", "translating", "fixed", "contact", "rkn4", "pilot", "step limit", "backend", "left out"):
         assert word in done.output
     assert [path.name for path in tmp_path.iterdir()] == ["case.yaml"]
 

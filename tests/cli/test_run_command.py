@@ -32,7 +32,7 @@ def test_a_run_exits_with_0_and_writes_everything_that_the_design_names(rbfem, w
     names = {path.name for path in (tmp_path / "out").iterdir()}
     assert {"swing.pvd", "swing_bodies.pvd", "swing.csv", "report.json", "frames"} <= names
     assert len(readable_frames(tmp_path / "out", "swing")) == 101
-    for word in ("Plan of swing: 1 body", "rk4", "step limit", "left out", "error", "drift"):
+    for word in ("Plan of swing: 1 body", "pilot", "step limit", "left out", "error", "drift"):
         assert word in done.stdout
     lines = done.stdout.splitlines()  # what is to be copied stands on a line of its own, however long
     assert lines[-2].endswith(f"paraview {tmp_path}/out/swing.pvd") and lines[-1].endswith(f"rbfem view {tmp_path}/out")
@@ -207,7 +207,8 @@ def test_ctrl_c_leaves_a_readable_series_and_a_report_and_exits_with_130(command
 def test_ctrl_c_is_heard_within_seconds_while_a_compiled_call_runs(command, write_case, tmp_path):
     """One output interval is hours of compiled steps; the time to compile or load the kernels comes before."""
     out = tmp_path / "out"
-    case = write_case([COPIES], name="many/case.yaml", time={"end": 1e5, "step": 1e-4}, output={"every": 1e5})
+    time_ = {"end": 1e5, "step": 1e-4, "method": "rk4"}
+    case = write_case([COPIES], name="many/case.yaml", time=time_, output={"every": 1e5})
     first = out / "frames/many_000000.vtu"
 
     def is_under_way():

@@ -201,8 +201,8 @@ kernel(np.eye(4, 3), np.array([[0, 1, 2, 3]]), np.ones(1), 64, np.zeros((1, 12))
 ASK_FOLDERS = """
 from rbfem.compute.loops import _cache_folder
 from rbfem.fem.moments import sum_blocks
-from rbfem.motion.advance import advance
-print(_cache_folder(sum_blocks).name, _cache_folder(advance).name)
+from rbfem.motion.runge_kutta import step_by_runge_kutta
+print(_cache_folder(sum_blocks).name, _cache_folder(step_by_runge_kutta).name)
 """
 
 

@@ -35,6 +35,10 @@ def wrench_of(body, load, t, rows, bodies):
         arm = R @ np.array(bodies[body].arm)
         force = -a[0] * (v + np.cross(w, arm))
         return force, np.cross(arm, force) - a[1] * w
+    if load.kind == kinds.GRADIENT:
+        away = np.cos(a[0] * t) * a[4:7] + np.sin(a[0] * t) * np.cross(a[1:4], a[4:7])
+        tensor = R @ np.diag(bodies[body].moments) @ R.T
+        return np.zeros(3), 3 * a[0] ** 2 * np.cross(away, tensor @ away)
     lever, end, end_velocity = R @ a[:3], a[3:6], np.zeros(3)
     if load.other >= 0:
         ox, oq, ov, oomega = rows[load.other]

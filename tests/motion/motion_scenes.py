@@ -6,8 +6,8 @@ import numpy as np
 
 from rbfem.motion import loads as kinds
 from rbfem.motion import quaternion
-from rbfem.motion.model import FIXED, RIGID, Bodies, Islands, Loads
-from rbfem.motion.state import System, initial_state
+from rbfem.motion.model import FIXED, RIGID, Bodies, Loads
+from rbfem.motion.state import System, initial_state, make_islands
 
 GRAVITY = np.array([0.0, 0.0, -9.81])
 # Steel of 7750 kg/m^3, radius 0.05 m, height 0.15 m: mass 9.1302536495 kg; along the axis, across it.
@@ -98,15 +98,16 @@ def build(setting, is_pushed=None):
         np.array([body.velocity for body in bodies], dtype=float),
         np.array([body.omega for body in bodies]) * moments,
     )
-    return System(arrays, loads, islands_of(bodies), np.asarray(setting.gravity, dtype=float)), state
+    islands = islands_of(bodies, loads, arrays.first_load)
+    return System(arrays, loads, islands, np.asarray(setting.gravity, dtype=float)), state
 
 
-def islands_of(bodies):
+def islands_of(bodies, loads, first_load):
     """Moving bodies one by one, or all in one island where springs join them."""
     moving = np.array([i for i, body in enumerate(bodies) if body.model != FIXED], dtype=np.int64)
     if any(load.other >= 0 for body in bodies for load in body.loads):
-        return Islands(moving, np.array([0, len(moving)], dtype=np.int64))
-    return Islands(moving, np.arange(len(moving) + 1))
+        return make_islands(moving, np.array([0, len(moving)], dtype=np.int64), loads, first_load)
+    return make_islands(moving, np.arange(len(moving) + 1), loads, first_load)
 
 
 def heavy_top():
@@ -128,6 +129,14 @@ def sprung_box():
     return Setting((body,), GRAVITY, end=0.8)
 
 
+def swinging_box():
+    """The same without the damper."""
+    setting = sprung_box()
+    (spring,) = setting.bodies[0].loads
+    undamped = replace(spring, values=(*spring.values[:7], 0.0, spring.values[8]))
+    return replace(setting, bodies=(replace(setting.bodies[0], loads=(undamped,)),))
+
+
 def box_in_drag():
     """A tumbling box in a viscous fluid, pushed by a thrust that turns with it and by a ramped force at a corner."""
     loads = (
@@ -145,6 +154,12 @@ def two_sprung_boxes():
     free = Body(position=(0.0, 0.0, 1.0), omega=(1.0, 2.0, 0.5), loads=(near,))
     held = Body(3.0, (2.0, 1.5, 2.2), (0.9, 0.0, 0.8), omega=(0.0, 1.0, 0.0), arm=(0.1, 0.0, -0.3), loads=(far,))
     return Setting((free, replace(held, is_held=True)), GRAVITY, end=0.8)
+
+
+def satellite():
+    """A body that tumbles in the gradient of a central field, on an orbit that is inclined to all axes."""
+    field = Load(kinds.GRADIENT, (2.0, 0.6, 0.0, 0.8, 0.48, 0.8, -0.36))
+    return Setting((Body(omega=(0.5, -1.0, 2.0), attitude=(0.9, 0.1, -0.2, 0.3), loads=(field,)),), end=1.0)
 
 
 def forced_cylinder():

@@ -63,6 +63,15 @@ def test_a_lever_of_a_turned_mesh_counts_with_the_whole_tensor(scene_of):
     assert fastest(scene).oscillation == pytest.approx(expected, rel=1e-8)
 
 
+def test_the_gradient_of_a_field_counts_with_its_stiffness_and_with_its_turning(scene_of):
+    field = {"gravity_gradient": {"rate": 0.1, "normal": [0, 0, 1], "start": [1, 0, 0]}}
+    scene = scene_of({"loads": [field]})
+    small, middle, large = scene.reference.moments[0]
+    shares = [(large - middle) / small, (large - small) / middle, (middle - small) / large]
+    assert fastest(scene).oscillation == pytest.approx(0.1 * np.sqrt(3 * max(shares) + 1), rel=1e-12)
+    assert fastest(scene_of(BALL | {"loads": [field]})).oscillation == 0.0
+
+
 def test_two_springs_add_up(scene_of):
     found = fastest(scene_of(BALL | {"loads": [spring((1, 0, 0)), spring((-1, 0, 0))]}))
     assert found.oscillation == pytest.approx(np.sqrt(2 * K / M), rel=1e-12)

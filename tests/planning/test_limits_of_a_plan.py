@@ -14,7 +14,7 @@ from rbfem.errors import InputError, RunError
     [
         ({"time": {"end": 1e40}, "output": {"every": 0.1}}, "output.every"),
         ({"time": {"end": 1}, "output": {"every": 1e-12}}, "output.every"),
-        ({"time": {"end": 1, "step": 1e-18}}, "time.step"),
+        ({"time": {"end": 1, "step": 1e-18, "method": "rk4"}}, "time.step"),
     ],
 )
 def test_a_run_without_an_end_is_refused_before_anything_is_made(scene_of, keys, key):

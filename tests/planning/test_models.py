@@ -13,6 +13,7 @@ SPIN = {"angular_velocity": [1.0, 2.0, -0.5]}
 SPRING = {"spring": {"to": [0, 0, 1], "stiffness": 50.0, "rest_length": 0.1}}
 ON_A_LEVER = {"spring": {"at": [0.05, 0.02, 0.01], "to": [0, 0, 1], "stiffness": 5.0, "rest_length": 0.1}}
 OTHER = {"spring": {"to": {"body": "body1", "at": [0.05, 0, 0]}, "stiffness": 50.0}}
+FIELD = {"gravity_gradient": {"rate": 0.1, "normal": [0, 0, 1], "start": [1, 0, 0]}}
 AWAY = {"position": [1, 0, 0]}
 
 
@@ -36,6 +37,8 @@ def only_model(scene):
         ({"loads": [{"force": [1, 0, 0], "at": [0, 0.1, 0]}]}, "rigid", "principal moments differ"),
         ({"loads": [{"force": [1, 0, 0], "at": [0, 0.1, 0], "frame": "body"}]}, "rigid", "principal moments differ"),
         ({"loads": [ON_A_LEVER]}, "rigid", "principal moments differ"),
+        ({"loads": [FIELD]}, "rigid", "principal moments differ"),
+        ({"shape": "ball", "loads": [FIELD]}, "translating", "never turns"),
         ({"shape": "ball"} | SPIN, "spherical", "gyroscopic term is zero"),
         ({"shape": "ball", "loads": [ON_A_LEVER]}, "spherical", "gyroscopic term is zero"),
         ({"shape": "cube"} | SPIN, "spherical", "gyroscopic term is zero"),

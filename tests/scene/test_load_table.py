@@ -9,8 +9,7 @@ from rbfem.motion import quaternion
 from rbfem.motion.loads import load_wrench
 from rbfem.motion.state import angular_velocity_world
 from rbfem.planning.models import choose_models
-from rbfem.planning.system import build_system
-from rbfem.simulation.frames import starting_state
+from rbfem.planning.system import build_system, starting_state
 
 TURN = [0.9, 0.1, -0.3, 0.2]
 START = {"position": [1, 2, 3], "quaternion": TURN}
@@ -132,6 +131,18 @@ def test_drag_acts_at_the_centre_of_mass_also_of_a_held_body(scene_of):
     force = -2 * np.array([0, 1.0, 0])  # the velocity is (0.5, 0, 7) × (0, 0, -2)
     torque = np.cross([0, 0, -2], force) - 0.5 * np.array([0.5, 0, 7])
     np.testing.assert_allclose(wrench_at_start(scene), [*force, *torque], atol=1e-13)
+
+
+def test_a_gravity_gradient_acts_on_the_tensor_about_the_centre_of_mass(scene_of):
+    field = {"rate": 2, "normal": [0, 0, 5], "start": [3, 4, 0]}
+    scene = scene_of(BRACKET | {"loads": [{"gravity_gradient": field}]})
+    tensor = scene.parts[0].inertia
+    away = np.array([0.6, 0.8, 0.0])
+    seen = quaternion.rotate_back(scene.quaternion[0], away)
+    torque = 12 * quaternion.rotate(scene.quaternion[0], np.cross(seen, tensor @ seen))
+    np.testing.assert_allclose(wrench_at_start(scene), [0, 0, 0, *torque], atol=1e-13 * np.abs(tensor).max() * 12)
+    assert np.abs(torque).min() > 1e-2 * np.abs(tensor).max()
+    assert scene.loads.is_external.tolist() == [1] and scene.load_kinds == (("gravity_gradient",),)
 
 
 def test_levers_of_a_held_body_start_at_its_pivot(scene_of):

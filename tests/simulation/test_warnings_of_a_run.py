@@ -31,7 +31,9 @@ def test_an_ordinary_run_warns_of_nothing(scene_of, run_of):
 
 
 def test_the_cost_counts_steps_of_the_companion_too(scene_of, run_of):
-    scene = scene_of({}, {"name": "wall", "fixed": True}, time={"end": 1, "step": 0.01}, output={"every": 1})
+    scene = scene_of(
+        {}, {"name": "wall", "fixed": True}, time={"end": 1, "step": 0.01, "method": "rk4"}, output={"every": 1}
+    )
     cost = run_of(scene)[0].cost
     assert (cost.steps, cost.body_steps, cost.evaluations) == (150, 150, 600)
     assert cost.wall_seconds > 0

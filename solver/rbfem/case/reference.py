@@ -53,6 +53,7 @@ bodies:
       - {traction: [0, 1 kPa, 0], on: top}
       - {spring: {at: [0, 0, 5 mm], to: {body: wall, at: [0, 0, 5 cm]}, stiffness: 100, damping: 1, rest_length: 1}}
       - {drag: {linear: 0.1, angular: 1e-4}}
+      - {gravity_gradient: {rate: 1.1e-3, normal: [0, 0, 1], start: [1, 0, 0]}}
   - name: pebble
     shape: pebble
     material: stone
@@ -151,6 +152,7 @@ def _exclusions() -> str:
         "- `pivot` and `count` above 1: write such bodies one by one.",
         "- `quaternion` and a random `place.orientation`.",
         "- `count` above 1 needs `place`.",
+        "- `pivot` and a `gravity_gradient` among the loads: its torque is that about the centre of mass.",
     ]
     return "\n".join(["## Keys of a body that exclude each other", "", *rows, *more, ""])
 

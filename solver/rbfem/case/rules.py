@@ -107,6 +107,13 @@ def _one_attitude(body: Group, tree: Group) -> Iterator[Finding]:
         yield ("quaternion",), "'quaternion' does not go with a random orientation of 'place'"
 
 
+def _field_on_a_pivot(body: Group, tree: Group) -> Iterator[Finding]:
+    for index, load in _groups(body.get("loads")):
+        if "gravity_gradient" in load and _is_given(body, "pivot"):
+            reason = "its torque is that about the centre of mass of a free body"
+            yield ("loads", index, "gravity_gradient"), f"'gravity_gradient' does not go with 'pivot': {reason}"
+
+
 BODY_RULES: tuple[Callable[[Group, Group], Iterator[Finding]], ...] = (
     _known_shape,
     _known_material,
@@ -114,6 +121,7 @@ BODY_RULES: tuple[Callable[[Group, Group], Iterator[Finding]], ...] = (
     _exclusive_keys,
     _copies,
     _one_attitude,
+    _field_on_a_pivot,
 )
 
 

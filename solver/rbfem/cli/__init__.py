@@ -5,11 +5,13 @@ import sys
 import click
 
 from rbfem import __version__
+from rbfem.cli.chart import command as chart
 from rbfem.cli.inertia import command as inertia
 from rbfem.cli.mesh import command as mesh
 from rbfem.cli.plan import command as plan
 from rbfem.cli.run import command as run
 from rbfem.cli.schema import command as schema
+from rbfem.cli.stability import command as stability
 from rbfem.cli.view import command as view
 from rbfem.errors import RbfemError
 
@@ -26,7 +28,7 @@ def commands() -> None:
     """
 
 
-for command in (run, plan, inertia, mesh, view, schema):
+for command in (run, plan, chart, stability, inertia, mesh, view, schema):
     commands.add_command(command)
 
 

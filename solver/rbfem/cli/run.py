@@ -40,4 +40,4 @@ def command(
     for line in report_lines(report, directory):
         click.echo(line)
     missed = [expect for expect in report["expect"] if not expect["pass"]]
-    context.exit(1 if missed else 0)
+    context.exit(1 if missed or report["error"]["unmet"] else 0)

@@ -19,6 +19,8 @@ def plan_lines(plan: Plan) -> Iterator[str]:
         yield from paragraph(choice.model, f"{choice.count} ({names}): {choice.reason}")
     for label in ("contact", "method", "step", "step_limit", "backend", "output"):
         yield from paragraph(label.replace("_", " "), _in_words(getattr(plan, label)))
+    if plan.pilot.value:
+        yield from paragraph("pilot", _in_words(plan.pilot))
     yield from paragraph("check", plan.verify.reason)
     yield from paragraph("accuracy", f"{plan.accuracy:g} accepted; what the check finds is held against it")
     yield from paragraph("left out", "; ".join(plan.left_out))
@@ -66,10 +68,13 @@ def _verdict(error: dict[str, Any]) -> str:
     if error["estimated"] is None:
         return f"not known: {error['how']}"
     verdict = "within" if error["estimated"] <= error["asked"] else "ABOVE"
-    return f"estimated {error['estimated']:.2g}, {verdict} the {error['asked']:.2g} asked for; {error['how']}"
+    unmet = f"; this is the best that was reached: {error['unmet']}" if error["unmet"] else ""
+    return f"estimated {error['estimated']:.2g}, {verdict} the {error['asked']:.2g} asked for{unmet}; {error['how']}"
 
 
 def _in_words(choice: Choice) -> str:
     value = f"{choice.value:.6g} s" if isinstance(choice.value, float) else str(choice.value)  # the numbers are steps
+    if choice.value is None:
+        value = "none"
     rest = "; ".join(part for part in (choice.error, choice.cost) if part)
     return f"{value}: {choice.reason}" + (f" [{rest}]" if rest else "")

@@ -3,18 +3,28 @@
 import math
 
 from rbfem.motion.euler_equations import quaternion_rate_world, rotation_rates
-from rbfem.motion.model import POSITION, QUATERNION, SPHERICAL, SPIN, TRANSLATING, VELOCITY
+from rbfem.motion.model import (
+    IS_SYMPLECTIC_EULER,
+    IS_WORLD,
+    NORMALIZES,
+    POSITION,
+    QUATERNION,
+    SPHERICAL,
+    SPIN,
+    TRANSLATING,
+    VELOCITY,
+)
 
 
 def coast(b, dt, n_steps, nodes, weights, flags, state, bodies, gravity):
-    """The steps of `advance` for body b when its translation is a parabola and its rotation is torque-free.
+    """The steps of `step_by_runge_kutta` for body b when its translation is a parabola and its rotation is torque-free.
 
     The same formulas as in the general stepper with the wrench left out; the tests hold the two against each other.
     """
     lag = 0.0  # Σ weights nodes: how much of g dt² the position sees within a step
     for stage in range(len(weights)):
         lag += weights[stage] * nodes[stage]
-    if flags[1]:
+    if flags[IS_SYMPLECTIC_EULER]:
         lag = 1.0
     # Σ over the steps k of dt (v + k dt g + lag dt g), added up in closed form: a million additions would round.
     duration, fallen = n_steps * dt, dt * dt * n_steps * (0.5 * (n_steps - 1) + lag)
@@ -38,7 +48,7 @@ def spin(b, dt, n_steps, nodes, weights, flags, state, bodies):
         for stage in range(len(weights)):
             h = nodes[stage] * dt
             k0, k1, k2, k3, kx, ky, kz = rotation_rates(
-                flags[0],
+                flags[IS_WORLD],
                 q0 + h * k0,
                 q1 + h * k1,
                 q2 + h * k2,
@@ -58,10 +68,10 @@ def spin(b, dt, n_steps, nodes, weights, flags, state, bodies):
             s0, s1, s2, s3 = s0 + w * k0, s1 + w * k1, s2 + w * k2, s3 + w * k3
             sx, sy, sz = sx + w * kx, sy + w * ky, sz + w * kz
         x, y, z = x + sx, y + sy, z + sz
-        if flags[1]:
+        if flags[IS_SYMPLECTIC_EULER]:
             s0, s1, s2, s3 = quaternion_rate_world(q0, q1, q2, q3, dt * x, dt * y, dt * z)
         q0, q1, q2, q3 = q0 + s0, q1 + s1, q2 + s2, q3 + s3
-        if flags[2]:
+        if flags[NORMALIZES]:
             scale = 1.0 / math.sqrt(q0 * q0 + q1 * q1 + q2 * q2 + q3 * q3)
             q0, q1, q2, q3 = q0 * scale, q1 * scale, q2 * scale, q3 * scale
     state[b, QUATERNION], state[b, QUATERNION + 1] = q0, q1

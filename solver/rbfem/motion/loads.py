@@ -7,14 +7,27 @@ Kinds, and what a row of `Loads.values` holds. Points are levers from the refere
     WRENCH  f (N), c (N m), both body axes     anything that follows the body: pressure, traction, thrust
     SPRING  at, end, k, d, L0                  end: a point of the world, or a lever of the body `other`
     DRAG    b (N s/m), b_r (N m s)             -b v at the centre of mass and -b_r ω
+    GRADIENT  n (rad/s), normal, start         the torque of a central field on a free body whose orbit has the rate n
+                                               about the normal, seen along `start` from the centre of attraction at
+                                               t = 0 (unit vectors, world axes); the orbit itself is not computed
 """
 
 import math
 
-from rbfem.motion.model import POSITION, QUATERNION, VELOCITY
-from rbfem.motion.rotation import cross, rotate
+from rbfem.motion.model import (
+    EXTERNAL,
+    POSITION,
+    QUATERNION,
+    SPIN,
+    TOTAL,
+    TRANSLATING,
+    VELOCITY,
+    WITHOUT_POTENTIAL,
+    WRENCH_WIDTH,
+)
+from rbfem.motion.rotation import cross, rotate, rotate_back
 
-FORCE, COUPLE, WRENCH, SPRING, DRAG = 0, 1, 2, 3, 4
+FORCE, COUPLE, WRENCH, SPRING, DRAG, GRADIENT = 0, 1, 2, 3, 4, 5
 
 
 def ramp_factor(t, first, last, times, factors):
@@ -51,59 +64,111 @@ def spring_damper(dx, dy, dz, ux, uy, uz, stiffness, damping, rest_length):
     return pull * dx, pull * dy, pull * dz, viscous * dx, viscous * dy, viscous * dz
 
 
+def gradient_torque(rate, x, y, z, i1, i2, i3):
+    """Torque of a central field on a body small beside its distance, on a circular orbit.
+
+    τ = 3 n² r̂ × (I r̂)
+
+    rate : n, rad/s      x, y, z : r̂, unit vector from the centre of attraction, principal axes
+    i*   : kg m^2, principal moments about the centre of mass
+    returns : three floats, N m, principal axes
+    Not checked: the length of r̂.
+    Source: Hughes, Spacecraft Attitude Dynamics, 1986, section 8.1.
+
+    >>> gradient_torque(1.0, 0.0, 0.0, 1.0, 1.0, 2.0, 4.0) == (0.0, 0.0, 0.0)
+    True
+    >>> gradient_torque(1.0, 0.5, 0.5, 0.5, 1.0, 2.0, 4.0)
+    (1.5, -2.25, 0.75)
+    """
+    strength = 3.0 * rate * rate
+    return strength * (i3 - i2) * y * z, strength * (i1 - i3) * z * x, strength * (i2 - i1) * x * y
+
+
+def find_wrench(b, t, bodies, loads, gravity, state, omega, wrench):
+    """Everything that acts on body b but the uniform field on its centre of mass: wrench[b], as in `add_loads`.
+
+    A body held at its reference point feels its weight as a torque, arm × m g.
+    """
+    for j in range(WRENCH_WIDTH):
+        wrench[b, j] = 0.0
+    add_loads(b, t, bodies, loads, state, omega, wrench)
+    if bodies.inverse_mass[b] == 0.0:
+        ax, ay, az = to_world(b, bodies.arm[b, 0], bodies.arm[b, 1], bodies.arm[b, 2], state)
+        m = bodies.mass[b]
+        tx, ty, tz = cross(ax, ay, az, m * gravity[0], m * gravity[1], m * gravity[2])
+        add_wrench(b, TOTAL, 0.0, 0.0, 0.0, tx, ty, tz, wrench)
+        add_wrench(b, EXTERNAL, 0.0, 0.0, 0.0, tx, ty, tz, wrench)
+
+
 def add_loads(b, t, bodies, loads, state, omega, wrench):
     """Add up the loads of body b about its reference point, world axes, into wrench[b].
 
     t (s); state : (n, 13) and omega : (n, 3) rad/s, world axes, of every body at this stage
-    wrench : (n, 13), in columns force, torque, power of what has no potential, external force, external torque
+    wrench : (n, 18), force and torque of all loads, of those without a potential, and of those from outside
     """
     for k in range(bodies.first_load[b], bodies.first_load[b + 1]):
-        fx, fy, fz, tx, ty, tz, power = load_wrench(k, b, t, bodies, loads, state, omega)
-        wrench[b, 0] += fx
-        wrench[b, 1] += fy
-        wrench[b, 2] += fz
-        wrench[b, 3] += tx
-        wrench[b, 4] += ty
-        wrench[b, 5] += tz
-        wrench[b, 6] += power
+        fx, fy, fz, tx, ty, tz, gx, gy, gz, ux, uy, uz = load_wrench(k, b, t, bodies, loads, state, omega)
+        add_wrench(b, TOTAL, fx, fy, fz, tx, ty, tz, wrench)
+        add_wrench(b, WITHOUT_POTENTIAL, gx, gy, gz, ux, uy, uz, wrench)
         if loads.is_external[k]:
-            wrench[b, 7] += fx
-            wrench[b, 8] += fy
-            wrench[b, 9] += fz
-            wrench[b, 10] += tx
-            wrench[b, 11] += ty
-            wrench[b, 12] += tz
+            add_wrench(b, EXTERNAL, fx, fy, fz, tx, ty, tz, wrench)
+
+
+def add_damping(b, bodies, loads, state, omega, wrench):
+    """Add up what the dampers and drags of body b do, which is linear in the velocities, into the first six columns."""
+    for k in range(bodies.first_load[b], bodies.first_load[b + 1]):
+        if loads.kind[k] == SPRING:
+            _, _, _, _, _, _, fx, fy, fz, tx, ty, tz = spring_wrench(k, b, loads, state, omega)
+            add_wrench(b, TOTAL, fx, fy, fz, tx, ty, tz, wrench)
+        elif loads.kind[k] == DRAG:
+            fx, fy, fz, tx, ty, tz = drag_wrench(k, b, bodies, loads, state, omega)
+            add_wrench(b, TOTAL, fx, fy, fz, tx, ty, tz, wrench)
+
+
+def add_wrench(b, first, fx, fy, fz, tx, ty, tz, wrench):
+    """Add force and torque to six columns of wrench[b]."""
+    wrench[b, first] += fx
+    wrench[b, first + 1] += fy
+    wrench[b, first + 2] += fz
+    wrench[b, first + 3] += tx
+    wrench[b, first + 4] += ty
+    wrench[b, first + 5] += tz
 
 
 def load_wrench(k, b, t, bodies, loads, state, omega):
-    """Force, torque about the reference point (world axes) of row k on body b, and its power if it has no potential."""
+    """Force and torque about the reference point of row k on body b, world axes, then the share without a potential."""
     kind = loads.kind[k]
     if kind == SPRING:
         return spring_wrench(k, b, loads, state, omega)
     if kind == DRAG:
-        return drag_wrench(k, b, bodies, loads, state, omega)
-    factor = 1.0
-    if loads.ramp[k] >= 0:
-        ramp = loads.ramp[k]
-        factor = ramp_factor(t, loads.ramp_first[ramp], loads.ramp_first[ramp + 1], loads.ramp_time, loads.ramp_factor)
-    return given_wrench(k, b, factor, loads, state, omega)
+        fx, fy, fz, tx, ty, tz = drag_wrench(k, b, bodies, loads, state, omega)
+    elif kind == GRADIENT:
+        fx, fy, fz = 0.0, 0.0, 0.0
+        tx, ty, tz = field_torque(k, b, t, bodies, loads, state)
+    else:
+        factor = 1.0
+        if loads.ramp[k] >= 0:
+            ramp = loads.ramp[k]
+            factor = ramp_factor(
+                t, loads.ramp_first[ramp], loads.ramp_first[ramp + 1], loads.ramp_time, loads.ramp_factor
+            )
+        fx, fy, fz, tx, ty, tz = given_wrench(k, b, factor, loads, state)
+    return fx, fy, fz, tx, ty, tz, fx, fy, fz, tx, ty, tz
 
 
-def given_wrench(k, b, factor, loads, state, omega):
+def given_wrench(k, b, factor, loads, state):
     """FORCE, COUPLE and WRENCH: known beforehand but for the attitude."""
     kind = loads.kind[k]
-    wx, wy, wz = omega[b, 0], omega[b, 1], omega[b, 2]
     fx, fy, fz = factor * loads.values[k, 0], factor * loads.values[k, 1], factor * loads.values[k, 2]
     if kind == COUPLE:
-        return 0.0, 0.0, 0.0, fx, fy, fz, fx * wx + fy * wy + fz * wz
+        return 0.0, 0.0, 0.0, fx, fy, fz
     ax, ay, az = to_world(b, loads.values[k, 3], loads.values[k, 4], loads.values[k, 5], state)
     if kind == FORCE:
         tx, ty, tz = cross(ax, ay, az, fx, fy, fz)
     else:
         tx, ty, tz = factor * ax, factor * ay, factor * az
         fx, fy, fz = to_world(b, fx, fy, fz, state)
-    vx, vy, vz = state[b, VELOCITY], state[b, VELOCITY + 1], state[b, VELOCITY + 2]
-    return fx, fy, fz, tx, ty, tz, fx * vx + fy * vy + fz * vz + tx * wx + ty * wy + tz * wz
+    return fx, fy, fz, tx, ty, tz
 
 
 def spring_wrench(k, b, loads, state, omega):
@@ -121,7 +186,8 @@ def spring_wrench(k, b, loads, state, omega):
         ex - x, ey - y, ez - z, ux - vx, uy - vy, uz - vz, stiffness, damping, rest_length
     )
     tx, ty, tz = cross(ax, ay, az, fx, fy, fz)
-    return fx, fy, fz, tx, ty, tz, dx * vx + dy * vy + dz * vz
+    sx, sy, sz = cross(ax, ay, az, dx, dy, dz)
+    return fx, fy, fz, tx, ty, tz, dx, dy, dz, sx, sy, sz
 
 
 def drag_wrench(k, b, bodies, loads, state, omega):
@@ -130,15 +196,50 @@ def drag_wrench(k, b, bodies, loads, state, omega):
     _, _, _, vx, vy, vz = point_motion(b, ax, ay, az, state, omega)
     linear, angular = loads.values[k, 0], loads.values[k, 1]
     fx, fy, fz = -linear * vx, -linear * vy, -linear * vz
-    wx, wy, wz = omega[b, 0], omega[b, 1], omega[b, 2]
     tx, ty, tz = cross(ax, ay, az, fx, fy, fz)
-    power = fx * vx + fy * vy + fz * vz - angular * (wx * wx + wy * wy + wz * wz)
-    return fx, fy, fz, tx - angular * wx, ty - angular * wy, tz - angular * wz, power
+    return fx, fy, fz, tx - angular * omega[b, 0], ty - angular * omega[b, 1], tz - angular * omega[b, 2]
+
+
+def field_torque(k, b, t, bodies, loads, state):
+    """GRADIENT: r̂ = start cos nt + normal × start sin nt, and the torque in world axes.
+
+    A field that turns does work on a body that stands: it has no potential that could be counted as energy.
+    """
+    rate = loads.values[k, 0]
+    sx, sy, sz = loads.values[k, 4], loads.values[k, 5], loads.values[k, 6]
+    ax, ay, az = cross(loads.values[k, 1], loads.values[k, 2], loads.values[k, 3], sx, sy, sz)
+    c, s = math.cos(rate * t), math.sin(rate * t)
+    x, y, z = to_body(b, c * sx + s * ax, c * sy + s * ay, c * sz + s * az, state)
+    i1, i2 = 1.0 / bodies.inverse_moments[b, 0], 1.0 / bodies.inverse_moments[b, 1]
+    tx, ty, tz = gradient_torque(rate, x, y, z, i1, i2, 1.0 / bodies.inverse_moments[b, 2])
+    return to_world(b, tx, ty, tz, state)
+
+
+def find_omega(b, bodies, state, omega):
+    """Angular velocity of body b in world axes, R I⁻¹ L, into omega[b]; a body that never turns has none."""
+    if bodies.model[b] != TRANSLATING:
+        x = bodies.inverse_moments[b, 0] * state[b, SPIN]
+        y = bodies.inverse_moments[b, 1] * state[b, SPIN + 1]
+        z = bodies.inverse_moments[b, 2] * state[b, SPIN + 2]
+        omega[b, 0], omega[b, 1], omega[b, 2] = to_world(b, x, y, z, state)
 
 
 def to_world(b, x, y, z, state):
     """A vector in the principal axes of body b, turned into world axes."""
     return rotate(
+        state[b, QUATERNION],
+        state[b, QUATERNION + 1],
+        state[b, QUATERNION + 2],
+        state[b, QUATERNION + 3],
+        x,
+        y,
+        z,
+    )
+
+
+def to_body(b, x, y, z, state):
+    """A vector in world axes, turned into the principal axes of body b."""
+    return rotate_back(
         state[b, QUATERNION],
         state[b, QUATERNION + 1],
         state[b, QUATERNION + 2],

@@ -17,8 +17,14 @@ MODEL_NAMES = ("fixed", "translating", "spherical", "rigid")
 # variable of the method: angular momentum in body axes, or angular velocity in world axes.
 POSITION, QUATERNION, VELOCITY, SPIN, STATE_WIDTH = 0, 3, 7, 10, 13
 
+# Columns of the flags of a Runge-Kutta method, see `rbfem.motion.methods.RungeKutta`.
+IS_WORLD, IS_SYMPLECTIC_EULER, NORMALIZES, FLIES_EXACTLY = 0, 1, 2, 3
+
 # Columns of a ledger row: work of loads without potential; impulse and angular impulse of external loads and gravity.
 WORK, IMPULSE, ANGULAR_IMPULSE, LEDGER_WIDTH = 0, 1, 4, 7
+
+# Columns of a wrench row, force and torque each: of all loads, of those that have no potential, of those from outside.
+TOTAL, WITHOUT_POTENTIAL, EXTERNAL, WRENCH_WIDTH = 0, 6, 12, 18
 
 
 class Bodies(NamedTuple):
@@ -38,10 +44,12 @@ class Bodies(NamedTuple):
 
 
 class Islands(NamedTuple):
-    """Bodies that a spring joins must step together. member: moving bodies, island by island; first: (k + 1,)."""
+    """Bodies that a spring joins must step together. member: moving bodies, island by island; first: (k + 1,);
+    is_damped: (k,) int64, whether a damper or a drag acts on any of them."""
 
     member: NDArray[np.int64]
     first: NDArray[np.int64]
+    is_damped: NDArray[np.int64]
 
 
 class Loads(NamedTuple):
@@ -63,18 +71,21 @@ class Loads(NamedTuple):
 
 
 class Scratch(NamedTuple):
-    """Working memory of a step: stage, rate, weighted sum of rates and wrench of each body (n, 13), its angular
-    velocity in world axes (n, 3), rate and weighted sum of its ledger (n, 7)."""
+    """Working memory of a step: stage and weighted sum of rates (n, 13), wrench (n, 18) and angular velocity in world
+    axes (n, 3) of each body; rates of every stage (n, stages, 13), those of its ledger (n, stages, 7) and their
+    weighted sum (n, 7); four vectors of six velocities of the solver of damped kicks (n, 4, 6)."""
 
     stage: NDArray[np.float64]
-    rate: NDArray[np.float64]
     total: NDArray[np.float64]
     wrench: NDArray[np.float64]
     omega: NDArray[np.float64]
+    rate: NDArray[np.float64]
     flow: NDArray[np.float64]
     flow_total: NDArray[np.float64]
+    solver: NDArray[np.float64]
 
 
-def scratch_for(n_bodies: int) -> Scratch:
-    """Working memory for that many bodies."""
-    return Scratch(*[np.zeros((n_bodies, width)) for width in (STATE_WIDTH,) * 4 + (3,) + (LEDGER_WIDTH,) * 2])
+def scratch_for(n_bodies: int, n_stages: int) -> Scratch:
+    """Working memory for that many bodies and stages."""
+    shapes = (STATE_WIDTH,), (STATE_WIDTH,), (WRENCH_WIDTH,), (3,), (n_stages, STATE_WIDTH), (n_stages, LEDGER_WIDTH)
+    return Scratch(*[np.zeros((n_bodies, *shape)) for shape in (*shapes, (LEDGER_WIDTH,), (4, 6))])

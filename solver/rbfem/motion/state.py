@@ -1,15 +1,20 @@
 """What changes during a run, and the function that changes it."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rbfem.compute.loops import loop
+from rbfem.motion import loads as kinds
 from rbfem.motion import quaternion
-from rbfem.motion.advance import advance
-from rbfem.motion.methods import METHODS, Method
-from rbfem.motion.model import LEDGER_WIDTH, Bodies, Islands, Loads, scratch_for
+from rbfem.motion.adaptive import step_adaptively
+from rbfem.motion.lie import step_on_group
+from rbfem.motion.methods import METHODS, Method, RungeKutta, Splitting
+from rbfem.motion.model import LEDGER_WIDTH, Bodies, Islands, Loads, Scratch, scratch_for
+from rbfem.motion.runge_kutta import step_by_runge_kutta
+from rbfem.motion.splitting import step_by_splitting
 
 Array = NDArray[np.float64]
 
@@ -34,6 +39,7 @@ class State:
     velocity         : (n, 3) m/s of the reference points
     angular_momentum : (n, 3) kg m^2/s about the reference points, in principal axes
     ledger           : (n, 7) work, impulse and angular impulse since the start, see `rbfem.motion.model`
+    evaluations      : of the loads of one body, since the start
     """
 
     time: float
@@ -42,6 +48,7 @@ class State:
     velocity: Array
     angular_momentum: Array
     ledger: Array
+    evaluations: int = 0
 
 
 def initial_state(position: Array, attitude: Array, velocity: Array, angular_momentum: Array) -> State:
@@ -49,30 +56,100 @@ def initial_state(position: Array, attitude: Array, velocity: Array, angular_mom
     return State(0.0, position, attitude, velocity, angular_momentum, np.zeros((len(position), LEDGER_WIDTH)))
 
 
+def make_islands(member: NDArray[np.int64], first: NDArray[np.int64], loads: Loads, first_load: NDArray) -> Islands:
+    """Islands of these members, each told whether dampers or drag act in it; first_load : (n + 1,), see `Bodies`."""
+    damps = ((loads.kind == kinds.SPRING) & (loads.values[:, 7] != 0.0)) | (loads.kind == kinds.DRAG)
+    dampers = np.diff(np.concatenate([[0], np.cumsum(damps)])[first_load])  # of each body
+    total = np.concatenate([[0], np.cumsum(dampers[member])])[first]
+    return Islands(member, first, (np.diff(total) > 0).astype(np.int64))
+
+
 def move(state: State, dt: float, n_steps: int, method: str, system: System, backend: str) -> State:
     """The state n_steps steps of dt later, by a row of `METHODS`, on a backend of `rbfem.compute`."""
     row = METHODS[method]
+    stacked, ledger, scratch = _working_memory(state, row, system)
+    common = system.bodies, system.loads, system.islands, system.gravity, scratch
+    scheme = row.scheme
+    if isinstance(scheme, Splitting):
+        parts, times = np.array(scheme.parts), np.array(scheme.times)
+        kernel = loop(step_by_splitting, backend)
+        kernel(stacked, ledger, state.time, dt, n_steps, parts, times, scheme.begins_with_kick, scheme.rotor, *common)
+    elif isinstance(scheme, RungeKutta):
+        kernel = loop(step_by_runge_kutta, backend)
+        kernel(stacked, ledger, state.time, dt, n_steps, *_coefficients(scheme), *common)
+    else:
+        loop(step_on_group, backend)(stacked, ledger, state.time, dt, n_steps, *common)
+    done = replace(state, time=state.time + n_steps * dt, ledger=ledger)
+    return _unstack(stacked, replace(done, evaluations=state.evaluations + _evaluations(row, n_steps)), row, system)
+
+
+def move_to_tolerance(
+    state: State,
+    span: float,
+    first_step: float,
+    tolerance: float,
+    scale: Array,
+    method: str,
+    system: System,
+    backend: str,
+) -> State:
+    """The state after `span` by an adaptive row of `METHODS`: local errors at most `tolerance` times `scale`, (n, 13).
+
+    Where even the shortest step does not reach the tolerance the state comes back as no number.
+    """
+    row = METHODS[method]
+    assert isinstance(row.scheme, RungeKutta)
+    stacked, ledger, scratch = _working_memory(state, row, system)
+    evaluations = np.zeros(len(system.islands.is_damped), dtype=np.int64)
+    tableau, nodes, weights, flags = _coefficients(row.scheme)
+    loop(step_adaptively, backend)(
+        stacked, ledger, state.time, span, first_step, tolerance, tableau, nodes, weights,
+        np.array(row.scheme.estimators), flags, scale,
+        system.bodies, system.loads, system.islands, system.gravity, scratch, evaluations,
+    )  # fmt: skip
+    stacked[_members(system.islands, evaluations < 0)] = np.nan
+    most = int(evaluations.max(initial=0))
+    done = replace(state, time=state.time + span, ledger=ledger, evaluations=state.evaluations + most)
+    return _unstack(stacked, done, row, system)
+
+
+def kernel_of(method: str) -> Callable:
+    """The loop that moves bodies by this method."""
+    scheme = METHODS[method].scheme
+    if METHODS[method].is_adaptive:
+        return step_adaptively
+    if isinstance(scheme, Splitting):
+        return step_by_splitting
+    return step_by_runge_kutta if isinstance(scheme, RungeKutta) else step_on_group
+
+
+def _working_memory(state: State, row: Method, system: System) -> tuple[Array, Array, Scratch]:
+    """State in rows, ledger and scratch; no more than a line of scratch where every body flies by itself."""
     stacked = _stack(state, row, system)
-    ledger, scratch = state.ledger, scratch_for(0)  # enough where every body coasts, in local numbers
-    if system.bodies.is_pushed.any():
-        ledger, scratch = ledger.copy(), scratch_for(len(stacked))
-        scratch.stage[:] = stacked
-    loop(advance, backend)(
-        stacked,
-        ledger,
-        state.time,
-        dt,
-        n_steps,
-        np.array(row.nodes),
-        np.array(row.weights),
-        np.array([row.is_world, row.is_symplectic_euler, row.normalizes], dtype=np.int64),
-        system.bodies,
-        system.loads,
-        system.islands,
-        system.gravity,
-        scratch,
-    )
-    return _unstack(stacked, replace(state, time=state.time + n_steps * dt, ledger=ledger), row, system)
+    if not system.bodies.is_pushed.any() and (row.flies_exactly or isinstance(row.scheme, RungeKutta)):
+        return stacked, state.ledger, scratch_for(0, row.evaluations)
+    scratch = scratch_for(len(stacked), row.evaluations)
+    scratch.stage[:] = stacked
+    return stacked, state.ledger.copy(), scratch
+
+
+def _coefficients(scheme: RungeKutta) -> tuple[Array, Array, Array, NDArray[np.int64]]:
+    stages = len(scheme.weights)
+    tableau = np.zeros((stages, stages))
+    for s, row in enumerate(scheme.tableau):
+        tableau[s, : len(row)] = row
+    flags = [scheme.is_world, scheme.is_symplectic_euler, scheme.normalizes, scheme.flies_exactly]
+    return tableau, np.array(scheme.nodes), np.array(scheme.weights), np.array(flags, dtype=np.int64)
+
+
+def _evaluations(row: Method, n_steps: int) -> int:
+    """Of the loads of one body; a call that begins with a kick also ends with one."""
+    begins_with_kick = isinstance(row.scheme, Splitting) and row.scheme.begins_with_kick
+    return row.evaluations * n_steps + (1 if begins_with_kick else 0)
+
+
+def _members(islands: Islands, chosen: NDArray[np.bool_]) -> NDArray[np.int64]:
+    return islands.member[np.repeat(chosen, np.diff(islands.first))]
 
 
 def angular_velocity_world(state: State, bodies: Bodies) -> Array:
@@ -82,13 +159,17 @@ def angular_velocity_world(state: State, bodies: Bodies) -> Array:
 
 
 def _stack(state: State, row: Method, system: System) -> Array:
-    spin = angular_velocity_world(state, system.bodies) if row.is_world else state.angular_momentum
+    spin = angular_velocity_world(state, system.bodies) if _is_world(row) else state.angular_momentum
     return np.concatenate([state.position, state.quaternion, state.velocity, spin], axis=1)
 
 
 def _unstack(stacked: Array, state: State, row: Method, system: System) -> State:
     position, attitude, velocity, spin = np.split(stacked, [3, 7, 10], axis=1)
-    if row.is_world:
+    if _is_world(row):
         in_body = quaternion.rotate_back(quaternion.normalize(attitude), spin)
         spin = in_body / system.bodies.inverse_moments
     return replace(state, position=position, quaternion=attitude, velocity=velocity, angular_momentum=spin)
+
+
+def _is_world(row: Method) -> bool:
+    return isinstance(row.scheme, RungeKutta) and row.scheme.is_world

@@ -41,6 +41,7 @@ def frequencies(scene: Scene, models: NDArray[np.int64], islands: Islands) -> Fr
     Each spring counts with its stiffness in every direction and with its lever arms, ω² = k (1/m + (r×n)·I⁻¹(r×n)); a
     weight or force of size f on an arm a counts with the rotational stiffness it has when it pulls along the arm, which
     is the largest: f a across the arm, and none about it. So does the pull of a spring on its lever, as at the start.
+    The gradient of a field of rate n counts as ω² = 3 n² |I_j - I_k|/I_i + n².
     """
     scale = _inverse_root_mass(scene, models)
     found: dict[bytes, tuple[float, float]] = {}
@@ -125,6 +126,8 @@ def _terms(
     elif kind == kinds.DRAG:
         yield {place[body]: _lever_rows(scene, body, scene.reference.arm[body], scale)}, 0.0, float(values[0])
         yield {place[body]: np.diag(scale[body])[3:]}, 0.0, float(values[1])
+    elif kind == kinds.GRADIENT:
+        yield {place[body]: _gradient_rows(scene, body, scale)}, float(values[0]) ** 2, 0.0
 
 
 def _tension(scene: Scene, row: int, body: int) -> float:
@@ -153,6 +156,17 @@ def _swing_rows(body: int, arm: Array, scale: Array) -> Array:
     length = _length(arm)
     across = np.cross(np.eye(3), arm / length) if length > 0.0 else np.zeros((3, 3))
     return np.hstack([np.zeros((3, 3)), across]) * scale[body]
+
+
+def _gradient_rows(scene: Scene, body: int, scale: Array) -> Array:
+    """M^-½ and then the turning about each axis i as a field's gradient resists it, BᵀB = 3 |I_j - I_k| + I_i: (3, 6).
+
+    The torque 3 n² (I_j - I_k) r_j r_k changes by no more than 3 n² |I_j - I_k| times a turn of the body; I_i stands
+    for the field's own turning at the rate n.
+    """
+    moments = scene.reference.moments[body]
+    stiffness = 3.0 * np.abs(np.roll(moments, -1) - np.roll(moments, -2)) + moments
+    return np.diag(np.r_[np.zeros(3), np.sqrt(stiffness)] * scale[body])[3:]
 
 
 def _largest(columns: list[dict[int, Array]], weights: list[float], n_bodies: int) -> float:

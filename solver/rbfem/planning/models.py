@@ -25,11 +25,15 @@ def choose_models(scene: Scene) -> NDArray[np.int64]:
     """(n,) motion model of each body."""
     spins = np.linalg.norm(scene.angular_velocity, axis=1) > 0.0
     turns = spins | _can_be_turned(scene)
+    model = np.where(turns, np.where(_is_spherical(scene), SPHERICAL, RIGID), TRANSLATING)
+    return np.where(scene.is_fixed, FIXED, model).astype(np.int64)
+
+
+def _is_spherical(scene: Scene) -> NDArray[np.bool_]:
+    """(n,) whether the moments are equal to within the error of the tensor."""
     moments = scene.reference.moments
     tolerance = 10.0 * scene.of_parts([part.inertia_error for part in scene.parts])
-    is_spherical = moments[:, 2] - moments[:, 0] <= tolerance * moments[:, 2]
-    model = np.where(turns, np.where(is_spherical, SPHERICAL, RIGID), TRANSLATING)
-    return np.where(scene.is_fixed, FIXED, model).astype(np.int64)
+    return moments[:, 2] - moments[:, 0] <= tolerance * moments[:, 2]
 
 
 def model_choices(scene: Scene, models: NDArray[np.int64]) -> tuple[ModelChoice, ...]:
@@ -73,8 +77,10 @@ def _can_be_turned(scene: Scene) -> NDArray[np.bool_]:
     turning = (kind == kinds.COUPLE) & has_lever
     turning |= ((kind == kinds.FORCE) | (kind == kinds.WRENCH)) & has_second
     turning |= (kind == kinds.SPRING) & has_lever
+    owners = _owners(scene)
+    turning |= (kind == kinds.GRADIENT) & ~_is_spherical(scene)[owners]
     result = np.zeros(scene.n_bodies, dtype=bool)
-    np.logical_or.at(result, _owners(scene), turning)
+    np.logical_or.at(result, owners, turning)
     has_weight = np.linalg.norm(scene.reference.arm, axis=1) * np.linalg.norm(scene.gravity) > 0.0
     return result | (scene.is_held & has_weight)
 

@@ -41,9 +41,14 @@ class Plan:
     models     : the motion model of every body
     contact    : which pairs can meet: none in this version
     method     : a row of `rbfem.motion.methods.METHODS`
-    step       : s, the longest step; spans between stops are cut into equal steps no longer than this
+    step       : s, the longest step; spans between stops are cut into equal steps no longer than this; None where the
+                 method needs none
     step_limit : s, 2/ω_max of the scene, or None where nothing swings, is damped or spins
-    verify     : whether a companion run at twice the step estimates the error
+    tolerance  : local error of an adaptive method, or None
+    order      : by which the error falls with the step, as the pilot found it or the table states it; 0 without a step
+    pilot      : evaluations that the choice has cost, and what it found; 0 where nothing had to be tried
+    verify     : how many times longer the steps of the companion run are that estimates the error; 0 without one
+    redo       : whether the run may be done again, finer, where the estimate is above the error accepted
     backend    : "python", "serial" or "parallel", see `rbfem.compute.loops`
     output     : what is written
     accuracy   : the error the user accepts
@@ -58,7 +63,11 @@ class Plan:
     method: Choice
     step: Choice
     step_limit: Choice
+    tolerance: Choice
+    order: float
+    pilot: Choice
     verify: Choice
+    redo: bool
     backend: Choice
     output: Choice
     accuracy: float
@@ -74,7 +83,7 @@ class Plan:
         """The plan that `to_dict` wrote, also after a way through JSON.
 
         >>> choice = Choice(1, "because")
-        >>> plan = Plan("x", 0, (), *[choice] * 7, 1e-3, (), ())
+        >>> plan = Plan("x", 0, (), *[choice] * 5, 4.0, choice, choice, True, *[choice] * 2, 1e-3, (), ())
         >>> Plan.from_dict(plan.to_dict()) == plan
         True
         """

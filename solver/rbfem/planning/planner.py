@@ -1,82 +1,217 @@
 """From a Scene to a Plan: the rules of choice."""
 
 import difflib
+import math
 import os
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rbfem.compute.loops import clear_of_numba, is_cached
 from rbfem.errors import InputError
-from rbfem.motion.advance import advance
 from rbfem.motion.methods import METHODS
 from rbfem.motion.model import FIXED
+from rbfem.motion.state import kernel_of
+from rbfem.planning.applicable import applicable_methods, character, is_damped, moved_by_loads
 from rbfem.planning.frequencies import Frequencies, frequencies
 from rbfem.planning.models import choose_models, model_choices, pushed
+from rbfem.planning.pilot import Settled, Stretch, error_scale, order_of, run_pilot, sample
 from rbfem.planning.plan import Choice, Plan
-from rbfem.planning.system import find_islands
-from rbfem.planning.timeline import n_frames, total_steps
+from rbfem.planning.system import build_system, starting_state
+from rbfem.planning.timeline import n_frames, stops, total_steps
 from rbfem.scene.scene import Scene
 
-# `step: auto` as a share of the limit, by the order of the method. At order four dt ω = 0.04 leaves about 2e-8 rad of
-# error a radian turned; a first-order method is at dt ω / 2 a radian and no sensible share makes it accurate.
-SHARE_OF_LIMIT = {4: 1 / 50, 1: 1 / 1000}
-STEPS_WITHOUT_LIMIT = {4: 1, 1: 1000}
+# What the pilot tries: the methods that came out best on charts of smooth motion, by loads and error accepted.
+COARSE_ACCURACY = 2e-5
+CANDIDATES = {"coarse": ("aba864", "rkn4", "kdk"), "fine": ("rkn6", "dop853_fixed")}
+DAMPED_CANDIDATES = {"coarse": ("dop853_fixed", "rk4"), "fine": ("dop853_fixed",)}
+STEP_GIVEN, DAMPED_STEP_GIVEN = "rkn4", "dop853_fixed"
 
-# Seconds of a step and of a start, for choosing the backend (docs/motion.md has the measurement). The rest of a step is
-# the same for all bodies, so only ratios matter.
-PYTHON_STEP, PYTHON_PUSHED_STEP = 10e-6, 270e-6
-KERNEL_STEP, KERNEL_PUSHED_STEP = 60e-9, 450e-9
-NUMBA_START, COMPILATION, PARALLEL_START = 1.0, 12.0, 1.0
+COMPANION_ERROR = 0.03  # of a companion at the most, so that its error is still one power of the step
+LARGEST_RATIO = 4
+
+# Seconds of an evaluation, a free flight and a start, for choosing the backend (docs/motion.md has the measurement).
+PYTHON_EVALUATION, PYTHON_STEP, PYTHON_FLIGHT = 100e-6, 10e-6, 60e-6
+KERNEL_EVALUATION, KERNEL_STEP, KERNEL_FLIGHT = 200e-9, 60e-9, 400e-9
+NUMBA_START, COMPILATION, PARALLEL_START = 1.0, 15.0, 1.0
 BODIES_A_THREAD = 2000
 MOST_FRAMES, MOST_STEPS = 1e6, 1e13
 
 
 @dataclass(frozen=True)
 class Work:
-    """Body-steps of a run, those of bodies that coast and those of bodies that are pushed."""
+    """Steps of bodies that coast, evaluations of bodies that are pushed, and flights that need no steps."""
 
     coasting: float
-    pushed: float
+    evaluations: float
+    flights: float
 
     def seconds(self, backend: str) -> float:
         if backend == "python":
-            return self.coasting * PYTHON_STEP + self.pushed * PYTHON_PUSHED_STEP
-        serial = self.coasting * KERNEL_STEP + self.pushed * KERNEL_PUSHED_STEP
-        return serial if backend == "serial" else serial / (os.cpu_count() or 1) + PARALLEL_START
+            return self.coasting * PYTHON_STEP + self.evaluations * PYTHON_EVALUATION + self.flights * PYTHON_FLIGHT
+        kernel = self.coasting * KERNEL_STEP + self.evaluations * KERNEL_EVALUATION + self.flights * KERNEL_FLIGHT
+        return kernel if backend == "serial" else kernel / (os.cpu_count() or 1) + PARALLEL_START
+
+
+@dataclass(frozen=True)
+class _Stepping:
+    """How the motion goes on: the choices that hang together."""
+
+    method: Choice
+    step: Choice
+    tolerance: Choice
+    order: float
+    pilot: Choice
+    verify: Choice
+    redo: bool
 
 
 def plan(scene: Scene, beyond_limit: bool = False) -> Plan:
-    """Choose what to compute for a scene.
+    """Choose what to compute for a scene. Where loads act and no step is given, a pilot runs a short part of it.
 
     beyond_limit : go on where the step asked for is beyond the stability limit
-    Raises InputError for a method that does not exist and for a step beyond the limit.
+    Raises InputError for a method that does not exist or does not apply, and for a step beyond the limit.
     """
     _refuse_endless("output.every", scene.end_time / scene.output_interval, MOST_FRAMES, "frames")
     models = choose_models(scene)
-    islands = find_islands(scene, models)
-    fastest = frequencies(scene, models, islands)
-    method = _method(scene)
-    limit = _step_limit(fastest)
-    step = _step(scene, fastest, str(method.value), beyond_limit)
-    _refuse_endless("time.step", scene.end_time / float(step.value), MOST_STEPS, "steps")
-    verify = Choice(True, "a companion run at twice the step tells the error of this one", cost="half as much again")
+    system = build_system(scene, models)
+    fastest = frequencies(scene, models, system.islands)
+    if scene.method is not None:
+        _check_method(scene)
+    if scene.method == "exact" or (scene.method is None and not moved_by_loads(scene)):
+        stepping = _in_one_piece(scene)
+    elif scene.step is not None:
+        stepping = _by_given_step(scene, fastest, beyond_limit)
+    else:
+        stepping = _by_accuracy(scene, models, system, fastest)
     return Plan(
         case=scene.name,
         n_bodies=scene.n_bodies,
         models=model_choices(scene, models),
         contact=Choice("none", "this version has no contact model: bodies pass through each other"),
-        method=method,
-        step=step,
-        step_limit=limit,
-        verify=verify,
-        backend=_backend(scene, models, float(step.value), len(islands.first) - 1),
+        method=stepping.method,
+        step=stepping.step,
+        step_limit=_step_limit(fastest),
+        tolerance=stepping.tolerance,
+        order=stepping.order,
+        pilot=stepping.pilot,
+        verify=stepping.verify,
+        redo=stepping.redo,
+        backend=_backend(scene, models, _work(scene, models, stepping), str(stepping.method.value)),
         output=_output(scene),
         accuracy=scene.accuracy,
         left_out=_left_out(scene, models),
         warnings=_mesh_warnings(scene),
     )
+
+
+def _in_one_piece(scene: Scene) -> _Stepping:
+    """Bodies that nothing but a uniform field moves: no step, and no error of one."""
+    reason = "asked for" if scene.method else f"auto: {character(scene)}, and the motion is known in closed form"
+    if scene.step is not None:
+        reason += "; the step that is given is not needed"
+    no_step = "every output time is reached in one piece"
+    return _Stepping(
+        method=Choice("exact", reason, "rounding alone", "one evaluation of the closed form a body and output time"),
+        step=Choice(None, no_step),
+        tolerance=Choice(None, "the method has none"),
+        order=0.0,
+        pilot=Choice(0, "nothing had to be tried"),
+        verify=Choice(0, "no step, so no error of a step: the rounding is predicted"),
+        redo=False,
+    )
+
+
+def _by_given_step(scene: Scene, fastest: Frequencies, beyond_limit: bool) -> _Stepping:
+    damped = is_damped(scene)
+    name = scene.method or (DAMPED_STEP_GIVEN if damped else STEP_GIVEN)
+    row = METHODS[name]
+    if row.is_adaptive:
+        raise InputError(
+            f"{scene.where('time.step')}: time.step: method {name} finds its own steps from `accuracy`; leave the step "
+            "out, or take dop853_fixed"
+        )
+    order = row.damped_order if damped else row.order
+    return _Stepping(
+        method=_named(
+            name, "asked for" if scene.method else f"auto, for the step that is given: {character(scene)}", order
+        ),
+        step=_given_step(scene, fastest, beyond_limit),
+        tolerance=Choice(None, "the steps are equal"),
+        order=order,
+        pilot=Choice(0, "the step is given: nothing was tried"),
+        verify=_check(2),
+        redo=False,
+    )
+
+
+def _by_accuracy(scene: Scene, models: NDArray[np.int64], system, fastest: Frequencies) -> _Stepping:
+    """The cheapest method and step for the accuracy, by a pilot."""
+    names = (scene.method,) if scene.method else _candidates(scene)
+    settled = _pilot(scene, models, system, fastest, names)
+    best = settled.best
+    row = METHODS[best.method]
+    order = best.order if math.isfinite(best.order) else order_of(best.method, system)
+    found = ", ".join(finding.words for finding in settled.findings)
+    told = f"pilot over the first {settled.span:.3g} s; evaluations for {scene.accuracy:g}: {found}"
+    reason = "asked for" if scene.method else f"auto: {character(scene)}; the cheapest of the pilot"
+    knob = best.step if math.isfinite(best.step) else scene.accuracy
+    step = Choice(
+        knob, f"auto: for an error of {scene.accuracy:g} over the whole run, by the pilot", "held against the check"
+    )
+    if row.is_adaptive:
+        first_step = min(0.1 * fastest.step_limit, scene.end_time)
+        tolerance, step = step, Choice(first_step, "the first that is tried; the method finds its own")
+    else:
+        tolerance = Choice(None, "the steps are equal")
+    ratio = 2
+    return _Stepping(
+        method=_named(best.method, reason, order),
+        step=step,
+        tolerance=tolerance,
+        order=order,
+        pilot=Choice(settled.evaluations, told),
+        verify=_check(ratio),
+        redo=True,
+    )
+
+
+def _candidates(scene: Scene) -> tuple[str, ...]:
+    kind = "coarse" if scene.accuracy > COARSE_ACCURACY else "fine"
+    return (DAMPED_CANDIDATES if is_damped(scene) else CANDIDATES)[kind]
+
+
+def _pilot(scene: Scene, models: NDArray[np.int64], system, fastest: Frequencies, names: tuple[str, ...]) -> Settled:
+    swing = max(fastest.oscillation, fastest.decay)
+    spin = float(np.linalg.norm(scene.angular_velocity, axis=1).max(initial=0.0))
+    rate = max(swing, spin, 1.0 / scene.end_time)
+    system, start, radius = sample(system, starting_state(scene), scene.bounding_radius)
+    stretch = Stretch(
+        system=system,
+        start=start,
+        end=scene.end_time,
+        rate=rate,
+        swing=swing,
+        accuracy=scene.accuracy,
+        radius=radius,
+        scale=error_scale(system, radius, rate),
+        times=np.array([0.0, *(stop.time for stop in stops(scene))]),
+        backend="python",
+    )
+    members = len(system.islands.member)
+    work = Work(0.0, sum(stretch.expected_evaluations(name) for name in names) * members, 0.0)
+    return run_pilot(replace(stretch, backend=str(_backend(scene, models, work, names[0]).value)), names)
+
+
+def _n_moving(models: NDArray[np.int64]) -> int:
+    return int(np.count_nonzero(models != FIXED))
+
+
+def _check(ratio: int) -> Choice:
+    share = {2: "half as much again", 3: "a third more", 4: "a quarter more"}[ratio]
+    times = {2: "twice", 3: "three times", 4: "four times"}[ratio]
+    return Choice(ratio, f"a companion run at {times} the step tells the error of this one", cost=share)
 
 
 def _refuse_endless(key: str, count: float, most: float, what: str) -> None:
@@ -86,30 +221,27 @@ def _refuse_endless(key: str, count: float, most: float, what: str) -> None:
         )
 
 
-def _method(scene: Scene) -> Choice:
-    if scene.method is None:
-        return Choice(
-            "rk4",
-            "auto: the only method of the table that is of fourth order and keeps the quaternion a rotation",
-            "order 4",
-            "4 evaluations of the loads a step",
-        )
+def _check_method(scene: Scene) -> None:
+    where = f"{scene.where('time.method')}: time.method"
     if scene.method not in METHODS:
-        near = difflib.get_close_matches(scene.method, METHODS, n=1)
+        near = difflib.get_close_matches(str(scene.method), METHODS, n=1)
         hint = f"; did you mean '{near[0]}'?" if near else ""
-        raise InputError(
-            f"{scene.where('time.method')}: time.method: no method '{scene.method}'{hint} (known: {', '.join(METHODS)})"
-        )
-    row = METHODS[scene.method]
+        raise InputError(f"{where}: no method '{scene.method}'{hint} (known: {', '.join(METHODS)})")
+    if METHODS[scene.method].needs_free_bodies and moved_by_loads(scene):
+        raise InputError(f"{where}: '{scene.method}' does not apply: {applicable_methods(scene)[scene.method]}")
+
+
+def _named(name: str, reason: str, order: float) -> Choice:
+    row = METHODS[name]
     grows = "" if row.oscillation_limit else "; an oscillation gains energy at every step size"
     evaluations = f"{row.evaluations} evaluation{'s' if row.evaluations > 1 else ''} of the loads a step"
-    return Choice(scene.method, "asked for", f"order {row.order}{grows}", evaluations)
+    return Choice(name, reason, f"order {order:.3g}{grows}", evaluations)
 
 
 def _step_limit(fastest: Frequencies) -> Choice:
     limit = fastest.step_limit
     parts = [
-        f"springs and weights swing at up to {fastest.oscillation:.4g} rad/s" if fastest.oscillation else "",
+        f"springs, weights and fields swing at up to {fastest.oscillation:.4g} rad/s" if fastest.oscillation else "",
         f"dampers decay at up to {fastest.decay:.4g} 1/s" if fastest.decay else "",
         f"bodies spin at up to {fastest.spin:.4g} rad/s" if fastest.spin else "",
     ]
@@ -119,21 +251,16 @@ def _step_limit(fastest: Frequencies) -> Choice:
     return Choice(limit, f"2/(√(ω² + β²) + β) and 2/spin: {reason}")
 
 
-def _step(scene: Scene, fastest: Frequencies, method: str, beyond_limit: bool) -> Choice:
-    limit, order = fastest.step_limit, METHODS[method].order
-    if scene.step is not None:
-        if scene.step > limit:
-            _refuse_beyond(scene, limit, beyond_limit)
-            return Choice(
-                scene.step, f"asked for, and beyond the limit of {limit:.6g} s on purpose", "may grow without bound"
-            )
-        return Choice(scene.step, f"asked for; {_share(scene.step, limit)}", "see error.parts.motion in the report")
-    if np.isinf(limit):
-        step = scene.output_interval / STEPS_WITHOUT_LIMIT[order]
-        return Choice(step, "auto: nothing limits it, so it follows the output interval", "a parabola is exact in rk4")
-    step = min(SHARE_OF_LIMIT[order] * limit, scene.output_interval)
-    reason = f"auto: at most 1/{round(1 / SHARE_OF_LIMIT[order])} of the limit and at most the output interval"
-    return Choice(step, reason, "see error.parts.motion in the report")
+def _given_step(scene: Scene, fastest: Frequencies, beyond_limit: bool) -> Choice:
+    assert scene.step is not None
+    limit = fastest.step_limit
+    _refuse_endless("time.step", scene.end_time / scene.step, MOST_STEPS, "steps")
+    if scene.step > limit:
+        _refuse_beyond(scene, limit, beyond_limit)
+        return Choice(
+            scene.step, f"asked for, and beyond the limit of {limit:.6g} s on purpose", "may grow without bound"
+        )
+    return Choice(scene.step, f"asked for; {_share(scene.step, limit)}", "see error.parts.motion in the report")
 
 
 def _refuse_beyond(scene: Scene, limit: float, beyond_limit: bool) -> None:
@@ -149,21 +276,33 @@ def _share(step: float, limit: float) -> str:
     return "no limit applies" if np.isinf(limit) else f"{step / limit:.3g} of the limit"
 
 
-def _backend(scene: Scene, models: NDArray[np.int64], step: float, n_islands: int) -> Choice:
-    moving = models != FIXED
-    is_pushed = pushed(scene) & moving
-    steps = 1.5 * total_steps(scene, step)  # the companion run is the half
-    work = Work(steps * float(np.count_nonzero(moving & ~is_pushed)), steps * float(np.count_nonzero(is_pushed)))
+def _work(scene: Scene, models: NDArray[np.int64], stepping: _Stepping) -> Work:
+    """What the run and its companion will compute."""
+    row, moving = METHODS[str(stepping.method.value)], models != FIXED
+    n_pushed = int(np.count_nonzero(pushed(scene) & moving))
+    n_coasting = int(np.count_nonzero(moving)) - n_pushed
+    steps = float(total_steps(scene, stepping.step.value))
+    ratio = int(stepping.verify.value)
+    steps *= 1.0 + (1.0 / ratio if ratio else 0.0)
+    if row.flies_exactly:
+        return Work(0.0, steps * n_pushed * row.evaluations, float(len(stops(scene)) * n_coasting))
+    return Work(steps * n_coasting * max(1.0, row.evaluations / 4.0), steps * n_pushed * row.evaluations, 0.0)
+
+
+def _backend(scene: Scene, models: NDArray[np.int64], work: Work, method: str) -> Choice:
     seconds = {"python": work.seconds("python")}
     for kernel in ("serial", "parallel"):
-        start = (NUMBA_START if clear_of_numba() else 0.0) + (0.0 if is_cached(advance, kernel) else COMPILATION)
+        compiled = is_cached(kernel_of(method), kernel)
+        start = (NUMBA_START if clear_of_numba() else 0.0) + (0.0 if compiled else COMPILATION)
         seconds[kernel] = start + work.seconds(kernel)
     candidates = ["python", "serial"]
-    if n_islands >= 2 * BODIES_A_THREAD and (os.cpu_count() or 1) > 1:
+    if _n_moving(models) >= 2 * BODIES_A_THREAD and (os.cpu_count() or 1) > 1:
         candidates.append("parallel")
     best = min(candidates, key=lambda name: seconds[name])
     told = ", ".join(f"{name} {seconds[name]:.2g} s" for name in candidates)
-    reason = f"the quickest for {work.coasting + work.pushed:.3g} body-steps: {told}, start and compilation included"
+    parts = {"steps of coasting bodies": work.coasting, "evaluations": work.evaluations, "free flights": work.flights}
+    amount = " and ".join(f"{count:.3g} {what}" for what, count in parts.items() if count) or "no work at all"
+    reason = f"the quickest for {amount}: {told}, start and compilation included"
     return Choice(best, reason, "none: one text of the physics for all", f"about {seconds[best]:.2g} s")
 
 

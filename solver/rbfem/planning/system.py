@@ -1,10 +1,11 @@
-"""From a scene and its motion models to the arrays that the stepper reads."""
+"""From a scene and its motion models to the arrays that the stepper reads, and the state it starts from."""
 
 import numpy as np
 from numpy.typing import NDArray
 
+from rbfem.motion import quaternion
 from rbfem.motion.model import FIXED, Bodies, Islands
-from rbfem.motion.state import System
+from rbfem.motion.state import State, System, initial_state, make_islands
 from rbfem.planning.models import pushed
 from rbfem.scene.scene import Scene
 
@@ -24,6 +25,17 @@ def build_system(scene: Scene, models: NDArray[np.int64]) -> System:
     return System(bodies, scene.loads, find_islands(scene, models), scene.gravity)
 
 
+def starting_state(scene: Scene) -> State:
+    """The state of a scene at time zero."""
+    reference = scene.reference
+    attitude = quaternion.product(scene.quaternion, reference.quaternion)
+    offset = quaternion.rotate(scene.quaternion, reference.offset)
+    velocity = scene.velocity + np.cross(scene.angular_velocity, offset)
+    velocity[scene.is_held | scene.is_fixed] = 0.0
+    spin = quaternion.rotate_back(attitude, scene.angular_velocity)
+    return initial_state(scene.position + offset, attitude, velocity, reference.moments * spin)
+
+
 def find_islands(scene: Scene, models: NDArray[np.int64]) -> Islands:
     """Moving bodies, those together that springs join, directly or through others."""
     moving = np.flatnonzero(models != FIXED)
@@ -31,7 +43,7 @@ def find_islands(scene: Scene, models: NDArray[np.int64]) -> Islands:
     joined = (scene.loads.other >= 0) & (models[owners] != FIXED)
     joined[joined] &= models[scene.loads.other[joined]] != FIXED
     if not joined.any():
-        return Islands(moving, np.arange(len(moving) + 1))
+        return make_islands(moving, np.arange(len(moving) + 1), scene.loads, scene.first_load)
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 
@@ -40,4 +52,5 @@ def find_islands(scene: Scene, models: NDArray[np.int64]) -> Islands:
     label = connected_components(graph, directed=False)[1][moving]
     order = np.argsort(label, kind="stable")
     starts = np.flatnonzero(np.diff(label[order], prepend=-1))
-    return Islands(moving[order], np.append(starts, len(moving)).astype(np.int64))
+    first = np.append(starts, len(moving)).astype(np.int64)
+    return make_islands(moving[order], first, scene.loads, scene.first_load)

@@ -54,16 +54,19 @@ def stops(scene: Scene) -> list[Stop]:
     return sorted(every, key=lambda stop: stop.time)
 
 
-def steps_between(start: float, end: float, step: float) -> int:
-    """Equal steps, no longer than `step`, that fill a span; an even number, for the companion run at twice the step.
+def steps_between(start: float, end: float, step: float | None) -> int:
+    """Equal steps, no longer than `step`, that fill a span: two at least, so that a companion run can take fewer; one
+    for a method that needs no steps.
 
     >>> steps_between(0.0, 1.0, 0.3), steps_between(0.0, 1.0, 0.25), steps_between(0.0, 1.0, 9.0)
     (4, 4, 2)
+    >>> steps_between(0.0, 1.0, None)
+    1
     """
-    return 2 * max(1, int(np.ceil((end - start) / (2.0 * step) - NEAR)))
+    return 1 if step is None else max(2, int(np.ceil((end - start) / step - NEAR)))
 
 
-def total_steps(scene: Scene, step: float) -> int:
+def total_steps(scene: Scene, step: float | None) -> int:
     """Steps of the whole run."""
     times = [0.0, *(stop.time for stop in stops(scene))]
     return int(sum(steps_between(a, b, step) for a, b in pairwise(times)))

@@ -59,14 +59,14 @@ def write_report(report: dict[str, Any], directory: Path) -> None:
 
 def _error(run: Run) -> dict[str, Any]:
     motion = run.error
-    richardson = f"Richardson: the largest difference from a companion run at twice the step, over 2^{motion.order} - 1"
-    how = motion.unknown_because or richardson
     parts = {
         "motion": {
             "estimated": motion.estimated,
             "position_difference": motion.position,
             "attitude_difference": motion.attitude,
-            "how": f"{how}; position as a share of the bounding radius, attitude in rad",
+            "rounding": motion.rounding,
+            "redone": motion.redone,
+            "how": f"{motion.how}; position as a share of the bounding radius, attitude in rad",
         },
         "mesh": {
             "estimated": None,
@@ -76,7 +76,13 @@ def _error(run: Run) -> dict[str, Any]:
         },
         "contact": {"estimated": None, "how": "not modelled"},
     }
-    return {"asked": run.scene.accuracy, "estimated": motion.estimated, "how": how, "parts": parts}
+    return {
+        "asked": run.scene.accuracy,
+        "estimated": motion.estimated,
+        "unmet": run.unmet,
+        "how": motion.how,
+        "parts": parts,
+    }
 
 
 def _cost(run: Run, clock: Clock) -> dict[str, Any]:
@@ -84,7 +90,7 @@ def _cost(run: Run, clock: Clock) -> dict[str, Any]:
     return {
         "wall_seconds": dict(clock.seconds),
         "steps": run.cost.steps,
-        "force_evaluations": run.cost.evaluations,
+        "force_evaluations": run.cost.evaluations + int(run.plan.pilot.value),
         "body_steps_per_second": rate,
     }
 

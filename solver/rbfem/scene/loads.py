@@ -74,6 +74,9 @@ def _rows(load, members: NDArray[np.int64], fastening: Fastening) -> list[Row]:
         return _spring_rows(load.spring, members, fastening)
     if load.kind == "drag":
         return [Row(members, kinds.DRAG, _values(load.drag.linear, load.drag.angular))]
+    if load.kind == "gravity_gradient":
+        field = load.gravity_gradient
+        return [Row(members, kinds.GRADIENT, _values(field.rate, field.normal, field.start))]
     if load.kind == "torque" and load.frame == "world":
         return [Row(members, kinds.COUPLE, _values(load.torque), load.ramp)]
     if load.kind == "force" and load.frame == "world":

@@ -6,22 +6,11 @@ from numpy.typing import NDArray
 from rbfem.motion import loads as kinds
 from rbfem.motion import quaternion
 from rbfem.motion.model import ANGULAR_IMPULSE, FIXED, IMPULSE, WORK
-from rbfem.motion.state import State, System, angular_velocity_world, initial_state
+from rbfem.motion.state import State, System, angular_velocity_world
 from rbfem.scene.scene import Scene
 from rbfem.simulation.frame import Balance, Frame
 
 Array = NDArray[np.float64]
-
-
-def starting_state(scene: Scene) -> State:
-    """The state of a scene at time zero."""
-    reference = scene.reference
-    attitude = quaternion.product(scene.quaternion, reference.quaternion)
-    offset = quaternion.rotate(scene.quaternion, reference.offset)
-    velocity = scene.velocity + np.cross(scene.angular_velocity, offset)
-    velocity[scene.is_held | scene.is_fixed] = 0.0
-    spin = quaternion.rotate_back(attitude, scene.angular_velocity)
-    return initial_state(scene.position + offset, attitude, velocity, reference.moments * spin)
 
 
 def frame_of(scene: Scene, system: System, state: State, index: int) -> Frame:

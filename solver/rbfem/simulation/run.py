@@ -2,31 +2,75 @@
 
 from __future__ import annotations
 
+import math
 import time
-from collections.abc import Iterator
-from dataclasses import dataclass, field
+from collections.abc import Generator, Iterator
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rbfem.errors import InputError, RunError
 from rbfem.motion import quaternion
 from rbfem.motion.methods import METHODS
 from rbfem.motion.model import TRANSLATING
-from rbfem.motion.state import State, angular_velocity_world, move
+from rbfem.motion.state import State, System, angular_velocity_world, move, move_to_tolerance
 from rbfem.planning.models import models_of
+from rbfem.planning.pilot import error_scale
 from rbfem.planning.plan import Plan
-from rbfem.planning.system import build_system
+from rbfem.planning.system import build_system, starting_state
 from rbfem.planning.timeline import Stop, nearness, steps_between, stops
 from rbfem.scene.scene import Scene
 from rbfem.simulation.expectations import ExpectationResult, check_expectation
 from rbfem.simulation.frame import Frame
-from rbfem.simulation.frames import frame_of, starting_state
+from rbfem.simulation.frames import frame_of
 
 # Body-steps of one call of the stepper, so that the loop looks up often enough for Ctrl-C and the clock.
 BODY_STEPS_A_CALL = {"python": 3e3, "serial": 3e6, "parallel": 6e6}
 LEAST_STEPS_A_CALL = 10  # fewer would leave most of the time to the copies that a call begins and ends with
 NORM_DRIFT = 1e-6  # |q| this far from one: the method has lost the rotation
 LARGEST = 1e50  # a state beyond has blown up; below, its energies and their squares still fit a float
+
+# How a run is done again: how often at most; from how many times the accuracy on an error foretold is an alarm, and by
+# what power of time at most it is taken to grow; how much finer it gets at once; and the share of the accuracy that may
+# be rounding.
+MOST_REDOS, ALARM, LARGEST_GROWTH = 8, 3.0, 6.0
+LEAST_REFINEMENT, LARGEST_REFINEMENT = 1.2, 8.0
+ROUNDING_SHARE = 0.3
+COMPANION_TOLERANCE = 100.0  # times that of an adaptive run; its error is at least ten times that of the run
+EPS = 2.3e-16
+SAFETY = 4.0  # the printed estimate is this times what Richardson makes of the difference
+
+Array = NDArray[np.float64]
+Models = NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class _Knob:
+    """What an attempt is run with: the longest step, and the tolerance of an adaptive method."""
+
+    step: Any
+    tolerance: float | None
+
+    def finer(self, factor: float, order: float) -> _Knob:
+        """The steps divided by a factor, or the tolerance by what the error then falls."""
+        if self.tolerance is not None:
+            return replace(self, tolerance=self.tolerance / factor**order)
+        return replace(self, step=self.step / factor)
+
+
+@dataclass
+class _Course:
+    """What the attempts of a run share.
+
+    shown  : stops whose frames are given
+    errors : of the attempt that is under way, at every stop so far
+    """
+
+    stops: list[Stop]
+    errors: Array
+    shown: int = 0
 
 
 @dataclass
@@ -41,18 +85,62 @@ class Cost:
 
 @dataclass
 class MotionError:
-    """Largest difference from the companion run at twice the step, over bodies and frames, and what Richardson makes of
-    it: the error of this run, difference / (2^order - 1). position: share of the bounding radius; attitude: rad.
-    unknown_because: why there is no estimate; empty where there is one."""
+    """What is known of the error of the motion: the largest difference from a companion run, over bodies and frames,
+    and what Richardson makes of it.
 
-    order: int
+    order      : by which the error falls with the step; 0 where there is no step
+    ratio      : steps of the run for one of the companion, the smallest of all spans; 0 for an adaptive method
+    position   : share of the bounding radius        attitude : rad
+    rounding   : predicted, of attitudes and positions
+    before     : estimate for the frames that a coarser attempt has given
+    redone     : how often the run was begun again, finer
+    unknown_because : why there is no estimate; empty where there is one
+    """
+
+    order: float
+    ratio: float = math.inf
     position: float = 0.0
     attitude: float = 0.0
+    rounding: float = 0.0
+    before: float = 0.0
+    redone: int = 0
     unknown_because: str = "the run has not come to its first stop yet"
 
     @property
+    def share(self) -> float:
+        """Error of this run as a share of its difference from the companion."""
+        if self.ratio == 0.0:
+            return 1.0 / (COMPANION_TOLERANCE**0.5 - 1.0)
+        return 1.0 / (self.ratio**self.order - 1.0) if self.order else 0.0
+
+    @property
+    def of_this_attempt(self) -> float | None:
+        if self.unknown_because:
+            return None
+        return SAFETY * self.share * max(self.position, self.attitude) + self.rounding
+
+    @property
     def estimated(self) -> float | None:
-        return None if self.unknown_because else max(self.position, self.attitude) / (2.0**self.order - 1.0)
+        here = self.of_this_attempt
+        return None if here is None else max(self.before, here)
+
+    @property
+    def how(self) -> str:
+        """How the estimate was made, in words."""
+        if self.unknown_because:
+            return self.unknown_because
+        if not self.order:
+            return "closed form: the predicted rounding"
+        if self.ratio == 0.0:
+            times = f"{COMPANION_TOLERANCE:g} times the tolerance"
+            return (
+                f"a companion run at {times}: {SAFETY * self.share:.2g} of the difference, and the predicted rounding"
+            )
+        times = f"{self.ratio:.3g} times as long"
+        return (
+            f"Richardson: {SAFETY:g} times the largest difference from a companion run whose steps are {times}, over "
+            f"{self.ratio:.3g}^{self.order:.3g} - 1, and the predicted rounding"
+        )
 
 
 @dataclass
@@ -74,67 +162,162 @@ class Run:
             raise RunError("a run goes through its frames once; simulate(scene, plan) makes another")
         models = models_of(self.plan.models, self.scene.n_bodies)
         system = build_system(self.scene, models)
-        state = starting_state(self.scene)
-        companion = state if self.plan.verify.value else None
-        frame = self._look(frame_of(self.scene, system, state, 0))
+        start = starting_state(self.scene)
+        frame = self._look(frame_of(self.scene, system, start, 0))
         self._expect(frame)
         yield frame
+        knob, ends = _Knob(self.plan.step.value, self.plan.tolerance.value), stops(self.scene)
+        course = _Course(ends, np.zeros(len(ends)))
+        while True:
+            finer = yield from self._attempt(system, models, start, knob, course)
+            if finer == 1.0:
+                return
+            knob = knob.finer(finer, self.error.order)
+            self.error = replace(self.error, position=0.0, attitude=0.0, ratio=math.inf, redone=self.error.redone + 1)
+
+    @property
+    def unmet(self) -> str:
+        """Why the accuracy was not reached although the step was left to the program; empty where it was."""
+        if not self.plan.redo or self.error.estimated is None or self.error.estimated <= self.scene.accuracy:
+            return ""
+        if self.error.rounding > ROUNDING_SHARE * self.scene.accuracy:
+            return "rounding alone comes to that, and shorter steps would only add to it"
+        return (
+            f"{self.error.redone} finer runs have not brought it down far enough: errors grow too fast in this motion"
+        )
+
+    def _attempt(
+        self, system: System, models: Models, start: State, knob: _Knob, course: _Course
+    ) -> Generator[Frame, None, float]:
+        """Run from the start; give the frames that no attempt has given yet while the error is the one accepted.
+
+        returns : how much finer to begin again, 1 at the end of the run
+        """
+        state, companion = start, start if self.plan.verify.value else None
         index = 0
-        for stop in stops(self.scene):
-            n_steps = steps_between(state.time, stop.time, float(self.plan.step.value))
-            dt = (stop.time - state.time) / n_steps
+        for k, stop in enumerate(course.stops):
             began = time.perf_counter()
-            state = self._move(state, dt, n_steps, stop, system)
+            state, companion = self._to_stop(state, companion, stop, knob, system)
             self._check_state(state, models)
-            if companion is not None:
-                companion = self._move_companion(companion, 2.0 * dt, n_steps // 2, stop, system)
             self.cost.wall_seconds += time.perf_counter() - began
             index += stop.is_output
-            frame = self._look(frame_of(self.scene, system, state, index))
-            if companion is not None:
-                self._compare(frame, frame_of(self.scene, system, companion, index), models)
+            frame = frame_of(self.scene, system, state, index)
+            self._estimate(frame, state, companion, system, models, index)
+            finer = self._refinement(stop, k, course)
+            if finer > 1.0:
+                return finer
+            if k < course.shown:
+                continue
+            self.error.before = self.error.estimated or 0.0
+            course.shown = k + 1
+            self._look(frame)
             self._watch_spin(state, system, models)
             self._expect(frame)
             if stop.is_output:
                 yield frame
+        return 1.0
 
-    def _move(self, state: State, dt: float, n_steps: int, stop: Stop, system) -> State:
+    def _to_stop(self, state: State, companion: State | None, stop: Stop, knob: _Knob, system: System):
+        """The run and its companion at a stop; the companion is None once it has blown up and tells nothing more."""
+        if knob.tolerance is not None:
+            state = self._move_adaptively(state, stop, knob.step, knob.tolerance, system)
+            if companion is not None:
+                self.error.ratio = 0.0
+                tolerance = COMPANION_TOLERANCE * knob.tolerance
+                companion = self._checked(self._move_adaptively(companion, stop, knob.step, tolerance, system))
+            return state, companion
+        n_steps = steps_between(state.time, stop.time, knob.step)
+        begin = state.time
+        state = self._move(state, (stop.time - begin) / n_steps, n_steps, stop, system)
+        if companion is not None:
+            fewer = -(-n_steps // int(self.plan.verify.value))
+            self.error.ratio = min(self.error.ratio, n_steps / fewer)
+            companion = self._checked(self._move(companion, (stop.time - begin) / fewer, fewer, stop, system))
+        return state, companion
+
+    def _move(self, state: State, dt: float, n_steps: int, stop: Stop, system: System) -> State:
         """To a stop, in calls short enough to be interrupted; the time is then the stop's own to the last digit."""
-        backend = str(self.plan.backend.value)
-        at_once = steps_a_call(self.scene.n_bodies, backend)
+        method, backend = str(self.plan.method.value), str(self.plan.backend.value)
+        at_once, before = steps_a_call(self.scene.n_bodies, backend), state.evaluations
         with np.errstate(all="ignore"):  # what has blown up is told in words, by the caller
             for done in range(0, n_steps, at_once):
-                state = move(state, dt, min(at_once, n_steps - done), str(self.plan.method.value), system, backend)
+                state = move(state, dt, min(at_once, n_steps - done), method, system, backend)
+        self._count(n_steps, state.evaluations - before, system)
+        return replace(state, time=stop.time)
+
+    def _move_adaptively(self, state: State, stop: Stop, step: float, tolerance: float, system: System) -> State:
+        method, backend, before = str(self.plan.method.value), str(self.plan.backend.value), state.evaluations
+        scale = error_scale(system, self.scene.bounding_radius, 0.1 / step)
+        with np.errstate(all="ignore"):
+            state = move_to_tolerance(state, stop.time - state.time, step, tolerance, scale, method, system, backend)
+        evaluations = state.evaluations - before
+        self._count(evaluations // METHODS[method].evaluations, evaluations, system)
+        return replace(state, time=stop.time)
+
+    def _count(self, n_steps: int, evaluations: int, system: System) -> None:
         self.cost.steps += n_steps
         self.cost.body_steps += n_steps * len(system.islands.member)
-        self.cost.evaluations += n_steps * METHODS[str(self.plan.method.value)].evaluations
-        return State(stop.time, state.position, state.quaternion, state.velocity, state.angular_momentum, state.ledger)
+        self.cost.evaluations += evaluations
 
-    def _move_companion(self, companion: State, dt: float, n_steps: int, stop: Stop, system) -> State | None:
-        """The companion at a stop, or None once it has blown up and tells nothing any more."""
-        companion = self._move(companion, dt, n_steps, stop, system)
+    def _checked(self, companion: State) -> State | None:
+        """The companion, or None if it has blown up."""
         if len(_blown_up(companion)) == 0:
             return companion
-        self.error.unknown_because = f"the companion run at twice the step has blown up before t = {stop.time:.6g} s"
+        self.error.unknown_because = (
+            f"the companion run with longer steps has blown up before t = {companion.time:.6g} s"
+        )
         self._warn(f"the error is not known: {self.error.unknown_because}; a step half as long can be checked")
         return None
 
-    def _compare(self, frame: Frame, companion: Frame, models) -> None:
-        apart = np.linalg.norm(frame.position - companion.position, axis=1) / self.scene.bounding_radius
-        turned = quaternion.angle_between(frame.quaternion, companion.quaternion)
-        self.error.position = max(self.error.position, float(apart.max()))
-        self.error.attitude = max(self.error.attitude, float(turned[models > TRANSLATING].max(initial=0.0)))
-        self.error.unknown_because = ""
+    def _estimate(
+        self, frame: Frame, state: State, companion: State | None, system, models: Models, index: int
+    ) -> None:
+        """Take the difference from the companion and the rounding so far into the error."""
+        radius = self.scene.bounding_radius
+        turned = float(np.linalg.norm(frame.angular_velocity, axis=1).max(initial=0.0)) * frame.time
+        farthest = float((np.abs(frame.position).max(axis=1) / radius).max())
+        rounding = EPS * (8.0 + 2.0 * (turned + farthest) + 4.0 * math.sqrt(state.evaluations + index))
+        self.error.rounding = max(self.error.rounding, rounding)
+        if companion is not None:
+            other = frame_of(self.scene, system, companion, index)
+            apart = np.linalg.norm(frame.position - other.position, axis=1) / radius
+            angle = quaternion.angle_between(frame.quaternion, other.quaternion)
+            self.error.position = max(self.error.position, float(apart.max()))
+            self.error.attitude = max(self.error.attitude, float(angle[models > TRANSLATING].max(initial=0.0)))
+        if companion is not None or not self.error.order:
+            self.error.unknown_because = ""
+
+    def _refinement(self, stop: Stop, k: int, course: _Course) -> float:
+        """How many times finer the run must begin again, by its error so far; 1 where it may go on."""
+        accuracy, estimated = self.scene.accuracy, self.error.of_this_attempt
+        if not self.plan.redo or self.error.redone >= MOST_REDOS or estimated is None:
+            return 1.0
+        if self.error.rounding > ROUNDING_SHARE * accuracy:  # finer steps would only add to it
+            return 1.0
+        course.errors[k] = estimated
+        expected = self._foretold(k, course)
+        if estimated <= accuracy and expected <= ALARM * accuracy:
+            return 1.0
+        wanted = (2.0 * expected / accuracy) ** (1.0 / self.error.order)
+        return min(LARGEST_REFINEMENT, max(LEAST_REFINEMENT, wanted))
+
+    def _foretold(self, k: int, course: _Course) -> float:
+        """Error at the end of the run, if it goes on growing by the power of time that it has grown by so far."""
+        here, errors, stops = course.errors[k], course.errors, course.stops
+        middle = k // 2
+        growth = 1.0
+        if k > 0 and errors[middle] > 0.0:
+            growth = math.log(here / errors[middle]) / math.log(stops[k].time / stops[middle].time)
+        return here * (self.scene.end_time / stops[k].time) ** min(LARGEST_GROWTH, max(1.0, growth))
 
     def _check_state(self, state: State, models) -> None:
         wrong = _blown_up(state)
         if len(wrong):
             others = f" (and of {len(wrong) - 1} more)" if len(wrong) > 1 else ""
-            method = str(self.plan.method.value)
             raise RunError(
                 f"at t = {state.time:.6g} s the state of '{self.scene.names[wrong[0]]}'{others} is no longer finite: "
-                f"method {method} with a step of {self.plan.step.value:.6g} s has blown up; use a shorter step"
-                f"{'' if method == 'rk4' else ' or method rk4'}"
+                f"method {self.plan.method.value} with {self._step_in_words()} has blown up; use a shorter step, or "
+                "`step: auto`"
             )
         norm = np.abs(np.linalg.norm(state.quaternion[models > TRANSLATING], axis=1) - 1.0).max(initial=0.0)
         if norm > NORM_DRIFT:
@@ -142,10 +325,17 @@ class Run:
                 f"the quaternion has left length one by more than {NORM_DRIFT:g}: {self.plan.method.value} lets it"
             )
 
+    def _step_in_words(self) -> str:
+        if self.plan.tolerance.value is not None:
+            return f"a tolerance of {self.plan.tolerance.value:.3g}"
+        return f"a step of {self.plan.step.value:.6g} s" if self.plan.step.value else "no step"
+
     def _watch_spin(self, state: State, system, models) -> None:
         omega = np.linalg.norm(angular_velocity_world(state, system.bodies), axis=1)
         fastest = float(omega[models > TRANSLATING].max(initial=0.0))
-        if fastest * float(self.plan.step.value) > 2.0:
+        row = METHODS[str(self.plan.method.value)]
+        needs_short_steps = not (row.flies_exactly or row.is_adaptive)
+        if needs_short_steps and fastest * float(self.plan.step.value) > 2.0:
             self._warn("a body has come to spin faster than 2/step: the attitude cannot be trusted; use a shorter step")
 
     def _warn(self, message: str) -> None:
@@ -199,7 +389,7 @@ def simulate(scene: Scene, plan: Plan) -> Run:
         raise InputError(
             f"the plan is for {plan.n_bodies} bodies and the scene has {scene.n_bodies}: make one with plan(scene)"
         )
-    error = MotionError(METHODS[str(plan.method.value)].order)
-    if not plan.verify.value:
+    error = MotionError(plan.order)
+    if plan.order and not plan.verify.value:
         error.unknown_because = "the plan asks for no companion run"
     return Run(scene, plan, error)

@@ -1,0 +1,94 @@
+"""`rbfem chart`: the work-precision chart of a case."""
+
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import click
+
+SECONDS_BETWEEN_LINES = 10.0
+
+
+@click.command("chart")
+@click.argument("case", type=click.Path(path_type=Path))
+@click.option(
+    "-o", "--output", "directory", metavar="DIR", type=click.Path(path_type=Path), help="Default: results/NAME."
+)
+@click.option("--set", "overrides", multiple=True, metavar="KEY=VALUE", help="Override a value; bodies by their name.")
+def command(case: Path, directory: Path | None, overrides: tuple[str, ...]) -> None:
+    """Show error against cost of every method on CASE, a case.yaml or its folder, and the choice that `run` makes.
+
+    Writes chart.csv, chart.png, chart.svg and chart.html, a page to hover over. Takes about a minute.
+    """
+    from rbfem.results.whole_file import require_writable
+    from rbfem.scene.builder import load
+
+    scene = load(case, overrides)
+    directory = directory or Path("results") / scene.name
+    require_writable(directory)
+    from rbfem.cli.tables import paragraph
+    from rbfem.study.chart import write_chart
+    from rbfem.study.summary import HEAD, notes, rows
+    from rbfem.study.work_precision import measure
+
+    _tell_of_compiling()
+    with _progress() as show:
+        study = measure(scene, show)
+    click.echo(f"Chart of {study.case}: the cheapest run of each method within {study.accuracy:g}")
+    for line in _aligned([HEAD, *rows(study)]):
+        click.echo(line)
+    for label, text in notes(study):
+        for line in paragraph(label, text):
+            click.echo(line)
+    for path in write_chart(study, directory):
+        click.echo(path)
+
+
+def _tell_of_compiling() -> None:
+    from rbfem.compute.loops import is_cached
+    from rbfem.motion.methods import METHODS
+    from rbfem.motion.state import kernel_of
+
+    if not all(is_cached(kernel_of(name), "serial") for name in METHODS):
+        click.echo("  compiling the kernels, the first time only …", err=True)
+
+
+@contextmanager
+def _progress() -> Iterator[Callable[[int, int, str], None]]:
+    """A bar on a terminal, a plain line now and then otherwise."""
+    if sys.stderr is None or not sys.stderr.isatty():
+        yield _lines()
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+
+    columns = (TextColumn("  {task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
+    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task("chart", total=None)
+        yield lambda done, total, what: bar.update(task, completed=done, total=total, description=what)
+
+
+def _lines() -> Callable[[int, int, str], None]:
+    told = time.monotonic()
+
+    def show(done: int, total: int, what: str) -> None:
+        nonlocal told
+        if time.monotonic() - told > SECONDS_BETWEEN_LINES:
+            told = time.monotonic()
+            click.echo(f"  {done} of {total}: {what}", err=True)
+
+    return show
+
+
+def _aligned(table: list[tuple[str, ...]]) -> Iterator[str]:
+    """Rows of words in columns, the first to the left and the others to the right.
+
+    >>> list(_aligned([("method", "order"), ("rk4", "4")]))
+    ['  method  order', '  rk4         4']
+    """
+    widths = [max(map(len, column)) for column in zip(*table, strict=True)]
+    for first, *rest in table:
+        cells = [f"{cell:>{width}}" for cell, width in zip(rest, widths[1:], strict=True)]
+        yield "  " + "  ".join([f"{first:<{widths[0]}}", *cells])
