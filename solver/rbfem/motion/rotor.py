@@ -22,9 +22,9 @@ NODE_3, WEIGHT_3 = 0.79666647741362673959, 0.22238103445337447054
 NODE_4, WEIGHT_4 = 0.96028985649753623168, 0.10122853629037625915
 
 PANEL = 0.85  # in u: eight nodes then miss the integral by less than 1e-15 of it, at any modulus
-# exp(-750) is below every float: after that much of u a motion on the separatrix has come to its end.
-FAREST = 750.0
-NEAR_POLE = 1e-3
+SETTLED = 750.0  # in u: exp(-750) is below every float, so that a motion on the separatrix has come to its end
+NEAR_POLE = 1e-3  # of a²: far above what the sum of two floats in `square_in_parts` resolves, 1e-22
+FARTHEST = 1e15  # rad: a phase of so many radians is not known to a tenth of one
 
 
 def turn_freely(q0, q1, q2, q3, l1, l2, l3, r1, r2, r3, duration):
@@ -34,18 +34,21 @@ def turn_freely(q0, q1, q2, q3, l1, l2, l3, r1, r2, r3, duration):
 
     q* : unit quaternion, principal axes -> world    l* : kg m^2/s, angular momentum in principal axes
     r* : 1/(kg m^2), reciprocals of the principal moments, > 0, in any order    duration : s, of either sign
-    returns : q0, q1, q2, q3, l1, l2, l3; as they came where L is zero or not finite
+    returns : q0, q1, q2, q3, l1, l2, l3; the quaternion is nan beyond `FARTHEST`, where no digit of it would be right
     Not checked: the length of the quaternion, the sign of the moments.
 
-    >>> turn_freely(1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 3.0, 1.0, 1.0, 1.0, math.pi / 3)[:4]
-    (..., 0.0, 0.0, 1.0)
     >>> there = turn_freely(1.0, 0.0, 0.0, 0.0, 0.3, 2.0, 0.1, 1.0, 0.5, 0.25, 7.0)
-    >>> [round(x, 12) + 0.0 for x in turn_freely(*there, 1.0, 0.5, 0.25, -7.0)]
+    >>> [round(x, 3) for x in there]
+    [0.587, 0.077, -0.804, 0.051, -0.251, 2.003, -0.15]
+    >>> [round(x, 13) + 0.0 for x in turn_freely(*there, 1.0, 0.5, 0.25, -7.0)]
     [1.0, 0.0, 0.0, 0.0, 0.3, 2.0, 0.1]
     """
     length = math.sqrt(l1 * l1 + l2 * l2 + l3 * l3)
-    if not 0.0 < length < math.inf:
+    angle = length * max(r1, r2, r3) * abs(duration)
+    if angle == 0.0:
         return q0, q1, q2, q3, l1, l2, l3
+    if not angle < FARTHEST:
+        return math.nan, math.nan, math.nan, math.nan, l1, l2, l3
     # The middle moment goes last, the axes turned in a ring: that keeps the frame right-handed.
     ring = places_to_middle(r1, r2, r3)
     a, b, c = in_ring(ring, l1, l2, l3)
@@ -69,6 +72,8 @@ def turn_by_splitting(q0, q1, q2, q3, l1, l2, l3, r1, r2, r3, duration):
     >>> [round(x, 15) for x in turn_by_splitting(1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 3.0, 1.0, 1.0, 1.0, math.pi / 3)]
     [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 3.0]
     """
+    if not math.sqrt(l1 * l1 + l2 * l2 + l3 * l3) * max(r1, r2, r3) * abs(duration) < FARTHEST:
+        return math.nan, math.nan, math.nan, math.nan, l1, l2, l3
     half = 0.5 * duration
     q0, q2, q3, q1, l2, l3, l1 = turn_about_last(q0, q2, q3, q1, l2, l3, l1, half * r1)
     q0, q3, q1, q2, l3, l1, l2 = turn_about_last(q0, q3, q1, q2, l3, l1, l2, half * r2)
@@ -230,24 +235,23 @@ def skip_half_periods(a, b, c, ra, rb, rc, p, length, duration):
     and f = 1/(1 + m sn²) where it is that of the larger; |L|²/(1 + m) = a² - (α/γ) c².
     """
     alpha, beta, gamma = rc - rb, ra - rc, rb - ra
-    rate, slow = math.sqrt(p), min(ra, rb)
-    squared = gamma * (alpha * b * b - beta * a * a) / p
-    if squared <= 0.0:
-        return on_the_separatrix(a, rc, rate, length, duration)
+    difference = gamma * (alpha * b * b - beta * a * a)
+    if difference <= 0.0:
+        return on_the_separatrix(a, rc, math.sqrt(p), length, duration)
     share = a * a - alpha / gamma * c * c
     m = (b * b - beta / gamma * c * c) / share
     cosine, sine = (0.0, m) if gamma > 0.0 else (1.0, 1.0)
-    quarter, integral = complete_integrals(math.sqrt(squared), 1.0 + m, cosine, sine)
-    half_period = 2.0 * quarter / rate
+    quarter, integral = complete_integrals(math.sqrt(p), math.sqrt(difference), 1.0 + m, cosine, sine)
+    half_period = 2.0 * quarter
     n = math.floor(duration / half_period + 0.5)
     side = 1.0 if n % 2 == 0 else -1.0
-    psi = length * (half_period * slow + 2.0 * abs(gamma) / rate * integral)
+    psi = 2.0 * length * (quarter * min(ra, rb) + abs(gamma) * integral)
     return side, n * psi, duration - n * half_period
 
 
 def on_the_separatrix(a, rc, rate, length, duration):
     """As `skip_half_periods`, for a motion that takes forever: all but a finite time it turns about the middle axis."""
-    reach = FAREST / rate if a > 0.0 else 0.0
+    reach = SETTLED / rate if a > 0.0 else 0.0
     rest = max(-reach, min(reach, duration))
     return 1.0, (duration - rest) * length * rc, rest
 

@@ -59,6 +59,10 @@ class Stretch:
         """Error of the pilot that lets the whole run stay well below the accuracy, if errors grow like the time."""
         return self.accuracy / MARGIN * self.pilot_end / self.end
 
+    def least_cost(self, method: str) -> float:
+        """Evaluations of the whole run with no more steps than its stops ask for."""
+        return METHODS[method].evaluations * self.steps(math.inf)
+
     def steps(self, step: float) -> int:
         """Of the whole run."""
         return sum(steps_between(a, b, step) for a, b in pairwise(self.times))
@@ -112,7 +116,8 @@ def run_pilot(stretch: Stretch, methods: tuple[str, ...]) -> Settled:
         for method in methods:
             least = min((finding.cost for finding in findings), default=math.inf)
             measure = _measure_adaptive if METHODS[method].is_adaptive else _measure
-            findings.append(measure(stretch, method, least))
+            is_hopeless = stretch.least_cost(method) >= least
+            findings.append(Finding(method) if is_hopeless else measure(stretch, method, least))
     ordered = sorted(findings, key=lambda finding: finding.cost)
     return Settled(tuple(ordered), stretch.pilot_end)
 

@@ -28,9 +28,6 @@ CANDIDATES = {"coarse": ("aba864", "rkn4", "kdk"), "fine": ("rkn6", "dop853_fixe
 DAMPED_CANDIDATES = {"coarse": ("dop853_fixed", "rk4"), "fine": ("dop853_fixed",)}
 STEP_GIVEN, DAMPED_STEP_GIVEN = "rkn4", "dop853_fixed"
 
-COMPANION_ERROR = 0.03  # of a companion at the most, so that its error is still one power of the step
-LARGEST_RATIO = 4
-
 # Seconds of an evaluation, a free flight and a start, for choosing the backend (docs/motion.md has the measurement).
 PYTHON_EVALUATION, PYTHON_STEP, PYTHON_FLIGHT = 100e-6, 10e-6, 60e-6
 KERNEL_EVALUATION, KERNEL_STEP, KERNEL_FLIGHT = 200e-9, 60e-9, 400e-9
@@ -141,7 +138,7 @@ def _by_given_step(scene: Scene, fastest: Frequencies, beyond_limit: bool) -> _S
         tolerance=Choice(None, "the steps are equal"),
         order=order,
         pilot=Choice(0, "the step is given: nothing was tried"),
-        verify=_check(2),
+        verify=_check(),
         redo=False,
     )
 
@@ -165,14 +162,13 @@ def _by_accuracy(scene: Scene, models: NDArray[np.int64], system, fastest: Frequ
         tolerance, step = step, Choice(first_step, "the first that is tried; the method finds its own")
     else:
         tolerance = Choice(None, "the steps are equal")
-    ratio = 2
     return _Stepping(
         method=_named(best.method, reason, order),
         step=step,
         tolerance=tolerance,
         order=order,
         pilot=Choice(settled.evaluations, told),
-        verify=_check(ratio),
+        verify=_check(),
         redo=True,
     )
 
@@ -208,10 +204,8 @@ def _n_moving(models: NDArray[np.int64]) -> int:
     return int(np.count_nonzero(models != FIXED))
 
 
-def _check(ratio: int) -> Choice:
-    share = {2: "half as much again", 3: "a third more", 4: "a quarter more"}[ratio]
-    times = {2: "twice", 3: "three times", 4: "four times"}[ratio]
-    return Choice(ratio, f"a companion run at {times} the step tells the error of this one", cost=share)
+def _check() -> Choice:
+    return Choice(2, "a companion run at twice the step tells the error of this one", cost="half as much again")
 
 
 def _refuse_endless(key: str, count: float, most: float, what: str) -> None:
