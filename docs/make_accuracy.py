@@ -1,4 +1,4 @@
-"""Measure and draw what `auto` keeps of its promise, over random scenes: the picture and the numbers of docs/accuracy.md.
+"""Measure and draw what `auto` keeps of its promise over random scenes: picture and numbers of docs/motion.md.
 
 python docs/make_accuracy.py [SCENES]
 """

@@ -75,6 +75,21 @@ def test_dampers_rule_out_what_they_would_bring_down_to_order_two(scene_of):
     assert METHODS[str(plan.method.value)].damped_order >= 4 and "dissipative" in plan.method.reason
 
 
+def test_a_fast_top_is_called_weakly_turned_and_gets_the_method_for_it(scene_of):
+    top = {"pivot": [0, 0, 0], "position": [0.02, 0, 0], "angular_velocity": [150, 3, 0]}
+    plan = rbfem.plan(scene_of(top, gravity=[0, 0, -9.81], accuracy=1e-8))
+    assert "weakly turned" in plan.method.reason and plan.method.value == "aba864"
+    slow = rbfem.plan(scene_of(top | {"angular_velocity": [5, 3, 0]}, gravity=[0, 0, -9.81], accuracy=1e-8))
+    assert "weakly turned" not in slow.method.reason and "aba864" not in slow.pilot.reason
+
+
+def test_many_swings_in_a_run_are_called_stiff_and_ramps_changing_with_time(scene_of):
+    stiff = {"shape": "ball", "position": [0.3, 0, 0], "loads": [{"spring": {"to": [0, 0, 0], "stiffness": 1e9}}]}
+    assert "stiff: up to" in rbfem.plan(scene_of(stiff)).method.reason
+    ramped = {"loads": [{"force": [1, 0, 0], "at": [0, 0.1, 0], "ramp": [[0, 0], [0.5, 1]]}]}
+    assert "change with time" in rbfem.plan(scene_of(ramped)).method.reason
+
+
 def test_an_adaptive_method_gets_a_tolerance_and_refuses_a_step(scene_of):
     plan = rbfem.plan(scene_of(SPRUNG, accuracy=1e-6, time={"end": 1, "method": "dop853"}))
     assert 0.0 < plan.tolerance.value < 1e-3

@@ -37,10 +37,10 @@ def turn_freely(q0, q1, q2, q3, l1, l2, l3, r1, r2, r3, duration):
     returns : q0, q1, q2, q3, l1, l2, l3; the quaternion is nan beyond `FARTHEST`, where no digit of it would be right
     Not checked: the length of the quaternion, the sign of the moments.
 
-    >>> there = turn_freely(1.0, 0.0, 0.0, 0.0, 0.3, 2.0, 0.1, 1.0, 0.5, 0.25, 7.0)
+    >>> there = turn_freely(1.0, 0.0, 0.0, 0.0, 0.3, 2.0, 0.1, 1.0, 0.5, 0.25, 2.0)
     >>> [round(x, 3) for x in there]
-    [0.587, 0.077, -0.804, 0.051, -0.251, 2.003, -0.15]
-    >>> [round(x, 13) + 0.0 for x in turn_freely(*there, 1.0, 0.5, 0.25, -7.0)]
+    [0.5, 0.261, 0.822, -0.077, 0.508, 1.87, -0.589]
+    >>> [round(x, 13) + 0.0 for x in turn_freely(*there, 1.0, 0.5, 0.25, -2.0)]
     [1.0, 0.0, 0.0, 0.0, 0.3, 2.0, 0.1]
     """
     length = math.sqrt(l1 * l1 + l2 * l2 + l3 * l3)

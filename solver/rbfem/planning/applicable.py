@@ -1,12 +1,18 @@
 """Which methods fit a scene, and what its loads are like."""
 
+import math
+
 import numpy as np
 
 from rbfem.motion import loads as kinds
 from rbfem.motion.methods import METHODS
 from rbfem.motion.model import FIXED
+from rbfem.planning.frequencies import Frequencies
 from rbfem.planning.models import choose_models, pushed
 from rbfem.scene.scene import Scene
+
+WEAK = 0.1  # swing by spin, below which torques are weak
+STIFF = 1000  # swings in the run, above which a scene is called stiff
 
 
 def applicable_methods(scene: Scene) -> dict[str, str]:
@@ -26,13 +32,23 @@ def is_damped(scene: Scene) -> bool:
     return bool(((kind == kinds.DRAG) | ((kind == kinds.SPRING) & (scene.loads.values[:, 7] != 0.0))).any())
 
 
-def character(scene: Scene) -> str:
+def is_weakly_turned(fastest: Frequencies) -> bool:
+    """Whether bodies spin so much faster than their loads swing them that the loads are a small disturbance."""
+    return 0.0 < fastest.oscillation < WEAK * fastest.spin
+
+
+def character(scene: Scene, fastest: Frequencies) -> str:
     """What the loads are like, in words, for the plan."""
     if not moved_by_loads(scene):
         return "nothing but a uniform field acts"
     words = ["dissipative: dampers or drag take energy" if is_damped(scene) else "no load depends on the velocity"]
     if np.any((scene.loads.ramp >= 0) | (scene.loads.kind == kinds.GRADIENT)):
         words.append("loads change with time")
+    if is_weakly_turned(fastest):
+        words.append(f"weakly turned: the spin is {fastest.spin / fastest.oscillation:.2g} times the swing")
+    swings = fastest.oscillation * scene.end_time / (2.0 * math.pi)
+    if swings > STIFF:
+        words.append(f"stiff: up to {swings:.2g} swings in the run")
     return ", ".join(words)
 
 

@@ -13,7 +13,7 @@ from rbfem.errors import InputError
 from rbfem.motion.methods import METHODS
 from rbfem.motion.model import FIXED
 from rbfem.motion.state import kernel_of
-from rbfem.planning.applicable import applicable_methods, character, is_damped, moved_by_loads
+from rbfem.planning.applicable import applicable_methods, character, is_damped, is_weakly_turned, moved_by_loads
 from rbfem.planning.frequencies import Frequencies, frequencies
 from rbfem.planning.models import choose_models, model_choices, pushed
 from rbfem.planning.pilot import Settled, Stretch, error_scale, order_of, run_pilot, sample
@@ -25,6 +25,7 @@ from rbfem.scene.scene import Scene
 # What the pilot tries: the methods that came out best on charts of smooth motion, by loads and error accepted.
 COARSE_ACCURACY = 2e-5
 CANDIDATES = {"coarse": ("aba864", "rkn4", "kdk"), "fine": ("rkn6", "dop853_fixed")}
+WEAKLY_TURNED_CANDIDATES = {"coarse": ("aba864", "rkn4", "kdk"), "fine": ("aba864", "rkn6", "dop853_fixed")}
 DAMPED_CANDIDATES = {"coarse": ("dop853_fixed", "rk4"), "fine": ("dop853_fixed",)}
 STEP_GIVEN, DAMPED_STEP_GIVEN = "rkn4", "dop853_fixed"
 
@@ -77,7 +78,7 @@ def plan(scene: Scene, beyond_limit: bool = False) -> Plan:
     if scene.method is not None:
         _check_method(scene)
     if scene.method == "exact" or (scene.method is None and not moved_by_loads(scene)):
-        stepping = _in_one_piece(scene)
+        stepping = _in_one_piece(scene, fastest)
     elif scene.step is not None:
         stepping = _by_given_step(scene, fastest, beyond_limit)
     else:
@@ -103,9 +104,11 @@ def plan(scene: Scene, beyond_limit: bool = False) -> Plan:
     )
 
 
-def _in_one_piece(scene: Scene) -> _Stepping:
+def _in_one_piece(scene: Scene, fastest: Frequencies) -> _Stepping:
     """Bodies that nothing but a uniform field moves: no step, and no error of one."""
-    reason = "asked for" if scene.method else f"auto: {character(scene)}, and the motion is known in closed form"
+    reason = (
+        "asked for" if scene.method else f"auto: {character(scene, fastest)}, and the motion is known in closed form"
+    )
     if scene.step is not None:
         reason += "; the step that is given is not needed"
     no_step = "every output time is reached in one piece"
@@ -132,7 +135,9 @@ def _by_given_step(scene: Scene, fastest: Frequencies, beyond_limit: bool) -> _S
     order = row.damped_order if damped else row.order
     return _Stepping(
         method=_named(
-            name, "asked for" if scene.method else f"auto, for the step that is given: {character(scene)}", order
+            name,
+            "asked for" if scene.method else f"auto, for the step that is given: {character(scene, fastest)}",
+            order,
         ),
         step=_given_step(scene, fastest, beyond_limit),
         tolerance=Choice(None, "the steps are equal"),
@@ -145,14 +150,14 @@ def _by_given_step(scene: Scene, fastest: Frequencies, beyond_limit: bool) -> _S
 
 def _by_accuracy(scene: Scene, models: NDArray[np.int64], system, fastest: Frequencies) -> _Stepping:
     """The cheapest method and step for the accuracy, by a pilot."""
-    names = (scene.method,) if scene.method else _candidates(scene)
+    names = (scene.method,) if scene.method else _candidates(scene, fastest)
     settled = _pilot(scene, models, system, fastest, names)
     best = settled.best
     row = METHODS[best.method]
     order = best.order if math.isfinite(best.order) else order_of(best.method, system)
     found = ", ".join(finding.words for finding in settled.findings)
     told = f"pilot over the first {settled.span:.3g} s; evaluations for {scene.accuracy:g}: {found}"
-    reason = "asked for" if scene.method else f"auto: {character(scene)}; the cheapest of the pilot"
+    reason = "asked for" if scene.method else f"auto: {character(scene, fastest)}; the cheapest of the pilot"
     knob = best.step if math.isfinite(best.step) else scene.accuracy
     step = Choice(
         knob, f"auto: for an error of {scene.accuracy:g} over the whole run, by the pilot", "held against the check"
@@ -173,9 +178,11 @@ def _by_accuracy(scene: Scene, models: NDArray[np.int64], system, fastest: Frequ
     )
 
 
-def _candidates(scene: Scene) -> tuple[str, ...]:
+def _candidates(scene: Scene, fastest: Frequencies) -> tuple[str, ...]:
     kind = "coarse" if scene.accuracy > COARSE_ACCURACY else "fine"
-    return (DAMPED_CANDIDATES if is_damped(scene) else CANDIDATES)[kind]
+    if is_damped(scene):
+        return DAMPED_CANDIDATES[kind]
+    return (WEAKLY_TURNED_CANDIDATES if is_weakly_turned(fastest) else CANDIDATES)[kind]
 
 
 def _pilot(scene: Scene, models: NDArray[np.int64], system, fastest: Frequencies, names: tuple[str, ...]) -> Settled:
