@@ -68,6 +68,25 @@ def test_a_run_that_would_miss_begins_again_and_gives_every_frame_once(scene_of,
     assert once.error.estimated > 1e-7 and run.cost.evaluations > once.cost.evaluations
 
 
+def test_a_run_that_blows_up_begins_again_too(scene_of, run_of):
+    """A step of four times the limit, in steps enough to leave the numbers that a float can hold."""
+    body = {"shape": "ball", "position": [0.3, 0, 0], "loads": [{"spring": {"to": [0, 0, 0], "stiffness": 4e4}}]}
+    scene = scene_of(body, accuracy=1e-3, time={"end": 3, "method": "kdk"}, output={"every": 1})
+    plan = rbfem.plan(scene)
+    careless = dataclasses.replace(plan, step=Choice(4.0 * plan.step_limit.value, "too long on purpose"))
+    run, frames = run_of(scene, careless)
+    assert run.error.redone > 0 and len(frames) == 4
+    assert apart(scene, frames, reference_frames(scene, plan)) <= run.error.estimated <= 1e-3
+    with pytest.raises(rbfem.RunError, match="blown up"):
+        run_of(scene, dataclasses.replace(careless, redo=False))
+
+
+def test_many_frames_bring_no_false_alarm(scene_of, run_of):
+    scene = scene_of(HUNG, gravity=GRAVITY, accuracy=1e-6, time={"end": 2}, output={"every": 0.005})
+    run, _ = run_of(scene)
+    assert run.error.redone == 0 and run.unmet == ""
+
+
 def test_an_accuracy_below_rounding_is_said_to_be_out_of_reach(scene_of, run_of):
     scene = scene_of(HUNG, gravity=GRAVITY, accuracy=1e-15, time={"end": 1}, output={"every": 0.5})
     run, frames = run_of(scene)

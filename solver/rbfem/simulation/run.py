@@ -32,11 +32,11 @@ LEAST_STEPS_A_CALL = 10  # fewer would leave most of the time to the copies that
 NORM_DRIFT = 1e-6  # |q| this far from one: the method has lost the rotation
 LARGEST = 1e50  # a state beyond has blown up; below, its energies and their squares still fit a float
 
-# How a run is done again: how often at most; from how many times the accuracy on an error foretold is an alarm, and by
-# what power of time at most it is taken to grow; how much finer it gets at once; and the share of the accuracy that may
-# be rounding.
-MOST_REDOS, ALARM, LARGEST_GROWTH = 8, 3.0, 6.0
-LEAST_REFINEMENT, LARGEST_REFINEMENT = 1.2, 8.0
+# How a run is done again: how often at most; from how many times the accuracy on an error foretold is an alarm, by what
+# power of time at most it is taken to grow, and after what share of the run that power is looked for; how much finer it
+# gets at once; and the share of the accuracy that may be rounding.
+MOST_REDOS, ALARM, LARGEST_GROWTH, LOOK_AHEAD = 8, 3.0, 6.0, 1 / 8
+LEAST_REFINEMENT, LARGEST_REFINEMENT, BLOWN_UP_REFINEMENT = 1.2, 8.0, 2.0
 ROUNDING_SHARE = 0.3
 COMPANION_TOLERANCE = 100.0  # times that of an adaptive run; its error is at least ten times that of the run
 EPS = 2.3e-16
@@ -173,7 +173,7 @@ class Run:
             if finer == 1.0:
                 return
             knob = knob.finer(finer, self.error.order)
-            self.error = replace(self.error, position=0.0, attitude=0.0, ratio=math.inf, redone=self.error.redone + 1)
+            self.error = MotionError(self.error.order, before=self.error.before, redone=self.error.redone + 1)
 
     @property
     def unmet(self) -> str:
@@ -198,6 +198,8 @@ class Run:
         for k, stop in enumerate(course.stops):
             began = time.perf_counter()
             state, companion = self._to_stop(state, companion, stop, knob, system)
+            if self._may_redo and (len(_blown_up(state)) or companion is None):
+                return BLOWN_UP_REFINEMENT
             self._check_state(state, models)
             self.cost.wall_seconds += time.perf_counter() - began
             index += stop.is_output
@@ -263,6 +265,8 @@ class Run:
         """The companion, or None if it has blown up."""
         if len(_blown_up(companion)) == 0:
             return companion
+        if self._may_redo:
+            return None
         self.error.unknown_because = (
             f"the companion run with longer steps has blown up before t = {companion.time:.6g} s"
         )
@@ -287,12 +291,16 @@ class Run:
         if companion is not None or not self.error.order:
             self.error.unknown_because = ""
 
+    @property
+    def _may_redo(self) -> bool:
+        return self.plan.redo and self.error.redone < MOST_REDOS
+
     def _refinement(self, stop: Stop, k: int, course: _Course) -> float:
         """How many times finer the run must begin again, by its error so far; 1 where it may go on."""
         accuracy, estimated = self.scene.accuracy, self.error.of_this_attempt
-        if not self.plan.redo or self.error.redone >= MOST_REDOS or estimated is None:
+        if not self._may_redo or estimated is None:
             return 1.0
-        if self.error.rounding > ROUNDING_SHARE * accuracy:  # finer steps would only add to it
+        if self.error.rounding > ROUNDING_SHARE * max(accuracy, estimated):  # finer steps would only add to it
             return 1.0
         course.errors[k] = estimated
         expected = self._foretold(k, course)
@@ -304,9 +312,8 @@ class Run:
     def _foretold(self, k: int, course: _Course) -> float:
         """Error at the end of the run, if it goes on growing by the power of time that it has grown by so far."""
         here, errors, stops = course.errors[k], course.errors, course.stops
-        middle = k // 2
-        growth = 1.0
-        if k > 0 and errors[middle] > 0.0:
+        middle, growth = k // 2, 1.0
+        if k > 0 and errors[middle] > 0.0 and stops[k].time >= LOOK_AHEAD * self.scene.end_time:
             growth = math.log(here / errors[middle]) / math.log(stops[k].time / stops[middle].time)
         return here * (self.scene.end_time / stops[k].time) ** min(LARGEST_GROWTH, max(1.0, growth))
 
