@@ -1,4 +1,4 @@
-"""The free rotors, a call at a time on one core: a moderate step, any duration at all, and the split rotor beside it."""
+"""The free rotors, a call at a time on one core: a moderate step, any duration at all, and the split rotor."""
 
 import numpy as np
 from measuring import Effort, Row, in_time, smallest_times
@@ -22,7 +22,9 @@ def rotor(effort: Effort) -> list[Row]:
     return [
         limit_row("exact rotor, a step of a quarter radian", short, NANOSECONDS_A_CALL),
         limit_row("exact rotor, a thousand turns in one call", long, NANOSECONDS_A_LONG_CALL),
-        Row("exact rotor against five plain rotations", in_time(short), f"{in_time(splitting)} split", short / splitting),
+        Row(
+            "exact rotor against five plain rotations", in_time(short), f"{in_time(splitting)} split", short / splitting
+        ),
     ]
 
 

@@ -64,6 +64,15 @@ def test_the_pilot_takes_the_cheapest_of_what_it_tried_and_says_what_each_costs(
     assert "cheapest of the pilot" in plan.method.reason
 
 
+def test_a_spin_does_not_limit_a_method_that_turns_bodies_exactly(scene_of):
+    top = {"pivot": [0, 0, 0], "position": [0.02, 0, 0], "angular_velocity": [150, 3, 0]}
+    time = {"end": 1, "step": 0.02, "method": "rkn4"}
+    plan = rbfem.plan(scene_of(top, gravity=[0, 0, -9.81], time=time))
+    assert plan.step.value == 0.02 > plan.step_limit.value and "does not limit it" in plan.step_limit.reason
+    with pytest.raises(InputError, match="limit"):
+        rbfem.plan(scene_of(top, gravity=[0, 0, -9.81], time=time | {"method": "rk4"}))
+
+
 def test_a_given_step_is_taken_without_a_pilot(scene_of):
     plan = rbfem.plan(scene_of(SPRUNG, time={"end": 1, "step": 1e-3}))
     assert (plan.step.value, plan.pilot.value, plan.redo) == (1e-3, 0, False)

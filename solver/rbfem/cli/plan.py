@@ -11,7 +11,7 @@ import click
 @click.option("--json", "as_json", is_flag=True, help="The whole plan as JSON.")
 @click.option("--beyond-limit", is_flag=True, help="Accept a step beyond the stability limit.")
 def command(case: Path, overrides: tuple[str, ...], as_json: bool, beyond_limit: bool) -> None:
-    """Say what `rbfem run CASE` would compute, why, at what error and cost. Runs nothing."""
+    """Say what `rbfem run CASE` would compute, why, at what error and cost. Writes nothing."""
     import json
 
     from rbfem.cli.tables import plan_lines

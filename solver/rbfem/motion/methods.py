@@ -110,12 +110,14 @@ class Method:
         return self.evaluations == 0
 
     @property
+    def turns_exactly(self) -> bool:
+        """Whether bodies turn by the exact rotor between kicks, so that a spin does not limit the step."""
+        return isinstance(self.scheme, Splitting) and self.scheme.rotor == EXACT_ROTOR
+
+    @property
     def flies_exactly(self) -> bool:
         """Whether a body that nothing pushes is moved in one piece, without an error of the step."""
-        scheme = self.scheme
-        return (isinstance(scheme, RungeKutta) and scheme.flies_exactly) or (
-            isinstance(scheme, Splitting) and scheme.rotor == EXACT_ROTOR
-        )
+        return self.turns_exactly or (isinstance(self.scheme, RungeKutta) and self.scheme.flies_exactly)
 
 
 def _palindrome(*half: float) -> tuple[float, ...]:

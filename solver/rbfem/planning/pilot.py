@@ -176,7 +176,7 @@ def _order_seen(before: float, apart: float, order: float) -> float:
 def _least_steps(stretch: Stretch, method: str) -> int:
     """Steps of the pilot at the longest step that is stable; of two radians where a method is stable at no step."""
     row = METHODS[method]
-    fastest = stretch.swing if row.flies_exactly and row.evaluations else stretch.rate
+    fastest = stretch.swing if row.turns_exactly else stretch.rate
     return max(1, math.ceil(stretch.pilot_end * fastest / (row.oscillation_limit or 2.0)))
 
 

@@ -90,7 +90,7 @@ def plan(scene: Scene, beyond_limit: bool = False) -> Plan:
         contact=Choice("none", "this version has no contact model: bodies pass through each other"),
         method=stepping.method,
         step=stepping.step,
-        step_limit=_step_limit(fastest),
+        step_limit=_step_limit(fastest, str(stepping.method.value)),
         tolerance=stepping.tolerance,
         order=stepping.order,
         pilot=stepping.pilot,
@@ -239,7 +239,7 @@ def _named(name: str, reason: str, order: float) -> Choice:
     return Choice(name, reason, f"order {order:.3g}{grows}", evaluations)
 
 
-def _step_limit(fastest: Frequencies) -> Choice:
+def _step_limit(fastest: Frequencies, method: str) -> Choice:
     limit = fastest.step_limit
     parts = [
         f"springs, weights and fields swing at up to {fastest.oscillation:.4g} rad/s" if fastest.oscillation else "",
@@ -249,12 +249,16 @@ def _step_limit(fastest: Frequencies) -> Choice:
     reason = ", ".join(part for part in parts if part) or "nothing swings, is damped or spins"
     if np.isinf(limit):
         return Choice(None, reason)
+    if METHODS[method].turns_exactly and fastest.spin:
+        reason += f"; {method} turns bodies exactly, a spin does not limit it"
     return Choice(limit, f"2/(√(ω² + β²) + β) and 2/spin: {reason}")
 
 
 def _given_step(scene: Scene, fastest: Frequencies, beyond_limit: bool) -> Choice:
     assert scene.step is not None
     limit = fastest.step_limit
+    if scene.method and METHODS[scene.method].turns_exactly and fastest.oscillation:
+        limit = 2.0 / max(fastest.oscillation, fastest.decay)  # its rotor is exact: a spin does not limit it
     _refuse_endless("time.step", scene.end_time / scene.step, MOST_STEPS, "steps")
     if scene.step > limit:
         _refuse_beyond(scene, limit, beyond_limit)

@@ -198,7 +198,8 @@ class Run:
         for k, stop in enumerate(course.stops):
             began = time.perf_counter()
             state, companion = self._to_stop(state, companion, stop, knob, system)
-            if self._may_redo and (len(_blown_up(state)) or companion is None):
+            has_lost_it = bool(self.plan.verify.value) and companion is None
+            if self._may_redo and (has_lost_it or len(_blown_up(state))):
                 return BLOWN_UP_REFINEMENT
             self._check_state(state, models)
             self.cost.wall_seconds += time.perf_counter() - began
