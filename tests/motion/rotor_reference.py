@@ -4,8 +4,8 @@ from decimal import Decimal, getcontext
 from fractions import Fraction
 from operator import mul
 
-BITS = 220  # of the fraction: 66 digits, of which the sums below lose a few
-REACH = Fraction(1, 2)  # largest |ω| times one step
+BITS = 180  # of the fraction: 54 digits, of which the sums below lose a few
+REACH = Fraction(1)  # largest |ω| times one step
 PI = Decimal("3.14159265358979323846264338327950288419716939937510582097494459230781640629")
 
 

@@ -67,7 +67,9 @@ def momentum_error(state, exact):
 
 def relative_change(state, start, weights):
     """Of the sum of weight l², in exact numbers: |L|² for weights of one, twice the energy for the reciprocals."""
-    sums = [sum(Fraction(w) * Fraction(float(x)) ** 2 for w, x in zip(weights, s[4:], strict=True)) for s in (state, start)]
+    sums = [
+        sum(Fraction(w) * Fraction(float(x)) ** 2 for w, x in zip(weights, s[4:], strict=True)) for s in (state, start)
+    ]
     return float(sums[0] / sums[1] - 1)
 
 
@@ -102,7 +104,9 @@ def separatrix(rng):
     moments = np.sort(any_body(rng)[0])
     low, middle, high = 1.0 / moments
     off = 1.0 + rng.choice([0.0, 1e-15, 1e-12, -1e-8])
-    momentum = np.array([math.sqrt(middle - high), rng.normal(), math.sqrt(low - middle) * off]) * rng.choice([-1, 1], 3)
+    momentum = np.array([math.sqrt(middle - high), rng.normal(), math.sqrt(low - middle) * off]) * rng.choice(
+        [-1, 1], 3
+    )
     order = rng.permutation(3)
     return moments[order], momentum[order] / np.linalg.norm(momentum)
 
@@ -162,43 +166,43 @@ def draws(regime, n, farthest, seed=1):
     return states, reciprocals, durations
 
 
-# Measured over 700 draws of each regime and both backends: 1.9e-15 within half a turn. Within a whole turn the rounding
-# of the rates alone comes to 1e-15; 99 draws in 100 are below 2e-15, the worst of all was 3.1e-15.
-@pytest.mark.parametrize(("farthest", "allowed"), [(HALF_TURN, 2e-15), (TURN, 4e-15)], ids=["half a turn", "a turn"])
-@pytest.mark.parametrize("backend", ["python", "serial"])
+# Measured over 400 draws of each regime: 9.4e-16 within half a turn. Within a whole turn the rounding of the rates
+# alone comes to 1e-15; 99 draws in 100 are below 1.7e-15, the worst of all was 3.5e-15.
 @pytest.mark.parametrize("regime", REGIMES, ids=lambda regime: regime.__name__)
-def test_one_call_is_exact_to_rounding(regime, backend, farthest, allowed):
-    start, reciprocals, durations = draws(regime, 12, farthest)
-    states = start.copy()
-    loop(turn_each, backend)(states, reciprocals, durations)
-    for i, state in enumerate(states):
-        exact = exact_turn(start[i], reciprocals[i], durations[i])
-        assert attitude_error(state, exact) < allowed
-        assert momentum_error(state, exact) < allowed
-        assert abs(np.linalg.norm(state[:4]) - 1.0) < 5e-16
+def test_one_call_is_exact_to_rounding(regime):
+    start, reciprocals, durations = draws(regime, 10, TURN)
+    ends = [start.copy(), start.copy()]
+    for states, backend in zip(ends, ("python", "serial"), strict=True):
+        loop(turn_each, backend)(states, reciprocals, durations)
+    for i, duration in enumerate(durations):
+        exact = exact_turn(start[i], reciprocals[i], duration)
+        angle = abs(duration) * np.linalg.norm(start[i, 4:] * reciprocals[i])
+        for states in ends:
+            assert attitude_error(states[i], exact) < (2e-15 if angle < HALF_TURN else 4e-15)
+            assert momentum_error(states[i], exact) < 4e-15
+            assert abs(np.linalg.norm(states[i, :4]) - 1.0) < 5e-16
 
 
-def test_a_needle_that_rolls_about_itself_for_many_turns_keeps_its_attitude():
-    # Measured: 9.1e-14 rad over 330 rad of turning.
-    start, reciprocals, durations = draws(needle, 4, 300.0)
+def test_a_needle_that_spins_many_turns_keeps_its_attitude():
+    # Measured: 9e-14 rad over 200 rad.
+    start, reciprocals, durations = draws(needle, 2, 120.0)
     states = start.copy()
     loop(turn_each, "serial")(states, reciprocals, durations)
-    errors = [attitude_error(states[i], exact_turn(start[i], reciprocals[i], durations[i])) for i in range(4)]
+    errors = [attitude_error(states[i], exact_turn(start[i], reciprocals[i], durations[i])) for i in range(2)]
     assert max(errors) < 3e-13
 
 
-@pytest.mark.parametrize("moments", itertools.permutations((1.0, 1.7, 2.4)))
+@pytest.mark.parametrize("moments", list(itertools.permutations((1.0, 1.7, 2.4))))
 def test_any_order_of_the_axes_and_any_signs_of_the_momentum(moments):
     # Two motions of each: about the axis of the smallest moment and about that of the largest.
     reciprocals = [1.0 / x for x in moments]
     sizes = ({1.0: 0.9, 1.7: 0.7, 2.4: 0.4}, {1.0: 0.3, 1.7: 0.6, 2.4: 0.9})
     for size, signs in itertools.product(sizes, itertools.product((1.0, -1.0), repeat=3)):
         start = (0.5, -0.5, 0.5, 0.5, *(s * size[x] for s, x in zip(signs, moments, strict=True)))
-        for duration in (2.0, -2.0):
-            exact = exact_turn(start, reciprocals, duration)
-            state = turn_freely(*start, *reciprocals, duration)
-            assert attitude_error(state, exact) < 2e-15
-            assert momentum_error(state, exact) < 2e-15
+        exact = exact_turn(start, reciprocals, 2.0)
+        state = turn_freely(*start, *reciprocals, 2.0)
+        assert attitude_error(state, exact) < 2e-15
+        assert momentum_error(state, exact) < 2e-15
 
 
 @pytest.mark.parametrize("factor", [1.0, 1.0 + 2.3e-16, 1.0 + 1e-12])
@@ -277,7 +281,7 @@ def test_a_million_revolutions_in_one_call(body):
 
 @pytest.mark.parametrize("body", ["about the smallest moment", "nearly symmetric"])
 def test_a_million_revolutions_in_four_calls_each(body):
-    # Measured over twenty bodies: 8e-8 to 8e-7 rad, the random walk of a momentum that is rounded four million times.
+    # Measured over fifteen bodies: 2e-8 to 6e-7 rad, the random walk of a momentum that is rounded four million times.
     moments, momentum = BODIES[body]
     reciprocals, start = [1.0 / x for x in moments], (0.5, 0.5, 0.5, 0.5, *momentum)
     quarter = 0.25 * TURN / math.hypot(*(x * r for x, r in zip(momentum, reciprocals, strict=True)))
@@ -373,7 +377,7 @@ def test_the_elliptic_functions_and_integrals_of_a_full_modulus_range_agree_with
 
 
 def test_the_reference_over_many_periods_is_the_reference_step_by_step():
-    start, reciprocals = (0.5, 0.5, 0.5, 0.5, 0.3, 0.7, -0.6), (1.0, 0.5, 0.3)
-    plain, by_periods = exact_turn(start, reciprocals, 57.3), exact_long_turn(start, reciprocals, 57.3)
-    assert 57.3 > 3 * period_of(start[4:], reciprocals)
-    assert max(abs(float(abs(x) - abs(y))) for x, y in zip(plain, by_periods, strict=True)) < 1e-50
+    start, reciprocals, duration = (0.5, 0.5, 0.5, 0.5, 1.0, 0.5, -1.3), (1.0, 0.5, 0.3), 30.0
+    plain, by_periods = exact_turn(start, reciprocals, duration), exact_long_turn(start, reciprocals, duration)
+    assert duration > 2 * period_of(start[4:], reciprocals)
+    assert max(abs(float(abs(x) - abs(y))) for x, y in zip(plain, by_periods, strict=True)) < 1e-48
