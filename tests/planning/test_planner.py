@@ -73,6 +73,15 @@ def test_a_spin_does_not_limit_a_method_that_turns_bodies_exactly(scene_of):
         rbfem.plan(scene_of(top, gravity=[0, 0, -9.81], time=time | {"method": "rk4"}))
 
 
+def test_the_pilot_steps_on_the_corners_of_ramps(scene_of):
+    """A step across a corner would show order two and call for steps a hundred times shorter."""
+    ramp = [[0, 0], [0.0313, 1], [0.0777, 0.2], [0.101, 1]]
+    loads = [{"torque": [0.1, 0.2, 0.3], "frame": "body", "ramp": ramp}, {"drag": {"angular": 1e-4}}]
+    scene = scene_of({"loads": loads, "angular_velocity": [1, 2, 3]}, accuracy=1e-9, output={"every": 1})
+    plan = rbfem.plan(scene)
+    assert plan.order > 6 and plan.step.value > 0.01
+
+
 def test_a_given_step_is_taken_without_a_pilot(scene_of):
     plan = rbfem.plan(scene_of(SPRUNG, time={"end": 1, "step": 1e-3}))
     assert (plan.step.value, plan.pilot.value, plan.redo) == (1e-3, 0, False)

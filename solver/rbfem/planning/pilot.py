@@ -63,6 +63,17 @@ class Stretch:
         """Evaluations of the whole run with no more steps than its stops ask for."""
         return METHODS[method].evaluations * self.steps(math.inf)
 
+    @property
+    def marks(self) -> Array:
+        """Zero, the corners of ramps within the pilot, and its end: no step may go across a corner."""
+        corners = self.system.loads.ramp_time
+        inside = corners[(corners > 0.0) & (corners < self.pilot_end)]
+        return np.array([0.0, *np.unique(inside), self.pilot_end])
+
+    def shared_out(self, n_steps: int) -> NDArray[np.int64]:
+        """About so many steps over the spans between the marks, one at least for each."""
+        return np.ceil(n_steps * np.diff(self.marks) / self.pilot_end).astype(np.int64)
+
     def steps(self, step: float) -> int:
         """Of the whole run."""
         return sum(steps_between(a, b, step) for a, b in pairwise(self.times))
@@ -90,7 +101,9 @@ class Finding:
 
     @property
     def words(self) -> str:
-        return f"{self.method} {self.cost:.3g}" if self.cost < math.inf else f"{self.method} does not get there"
+        if self.cost < math.inf:
+            return f"{self.method} {self.cost:.3g}"
+        return f"{self.method} does not get there" if self.spent and math.isnan(self.step) else f"{self.method} more"
 
 
 @dataclass(frozen=True)
@@ -126,11 +139,12 @@ def _measure(stretch: Stretch, method: str, least_cost: float) -> Finding:
     """Halve the step, from the coarsest that is stable, until the order is that of the table and the error asked for
     within reach; give up where another method is known to cost less."""
     finding, order = Finding(method), order_of(method, stretch.system)
-    n = _least_steps(stretch, method)
-    coarse, apart = _run(stretch, method, n, finding), math.inf
+    steps = stretch.shared_out(_least_steps(stretch, method))
+    coarse, apart = _run(stretch, method, steps, finding), math.inf
     for _ in range(LEVELS):
-        n *= 2
-        fine = _run(stretch, method, n, finding)
+        steps = 2 * steps
+        n = int(steps.sum())
+        fine = _run(stretch, method, steps, finding)
         before, apart = apart, difference(coarse, fine, stretch.radius)
         coarse = fine
         if not apart < math.inf:
@@ -192,9 +206,12 @@ def _guess(stretch: Stretch, order: float) -> int:
     return math.ceil(stretch.pilot_end * stretch.rate / 4.0 * (turned / stretch.allowed) ** (1.0 / order))
 
 
-def _run(stretch: Stretch, method: str, n_steps: int, finding: Finding) -> State:
-    """The state at the end of the pilot after so many equal steps."""
-    state = move(stretch.start, stretch.pilot_end / n_steps, n_steps, method, stretch.system, stretch.backend)
+def _run(stretch: Stretch, method: str, n_steps: NDArray[np.int64], finding: Finding) -> State:
+    """The state at the end of the pilot after so many equal steps in each of its spans."""
+    state = stretch.start
+    for (begin, end), n in zip(pairwise(stretch.marks), n_steps, strict=True):
+        state = move(state, (end - begin) / n, int(n), method, stretch.system, stretch.backend)
+        state = replace(state, time=end)
     finding.spent += state.evaluations
     return state
 
