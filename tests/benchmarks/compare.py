@@ -15,13 +15,24 @@ import argparse
 from collections.abc import Iterable
 from pathlib import Path
 
+from accuracy_benchmark import accuracy
 from inertia_benchmark import inertia
 from measuring import Effort, Row
 from motion_benchmark import motion
+from peers_benchmark import peers
+from rotor_benchmark import rotor
 from start_up_benchmark import start_up
 from writing_benchmark import writing
 
-BENCHMARKS = {"inertia": inertia, "motion": motion, "start-up": start_up, "writing": writing}
+BENCHMARKS = {
+    "accuracy": accuracy,
+    "inertia": inertia,
+    "motion": motion,
+    "peers": peers,
+    "rotor": rotor,
+    "start-up": start_up,
+    "writing": writing,
+}
 
 HEAD = "| benchmark | rbfem | peer or reference | ratio | asked | verdict |\n|---|---|---|---|---|---|\n"
 

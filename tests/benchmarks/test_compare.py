@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from compare import BENCHMARKS, main, measure, ratio_in_words, table
 from measuring import Effort, Row, smallest_times
+from peers_benchmark import ATTITUDE_IN_TIME, PEERS, free_tumbling, heavy_top, longest_steps, true_end, turned
 from sheared_block import A, block_of_tets, block_surface, exact_tensor
 from start_up_benchmark import numpy_row, t_handle_row
 
@@ -19,13 +20,17 @@ TINY = Effort(share=1e-3, rounds=1)
 def no_peers(monkeypatch):
     monkeypatch.setitem(sys.modules, "trimesh", None)
     monkeypatch.setitem(sys.modules, "mujoco", None)
+    monkeypatch.setitem(sys.modules, "exudyn", None)
 
 
 @pytest.mark.parametrize(
     ("name", "words"),
     [
+        ("accuracy", ("above the one asked for", "above the one printed", "cheapest fixed method")),
         ("inertia", ("a tet", "triangles", "moved by 1e+06 sizes", "memory for")),
         ("motion", ("two cores", "called as a run does", "on a spring", "MuJoCo")),
+        ("peers", ("Lagrange top", "top in drag", "free tumbling", "its plan and its check", "all cores")),
+        ("rotor", ("quarter radian", "thousand turns", "plain rotations")),
         ("start-up", ("`rbfem --help`", "modules of NumPy", "cases/t_handle")),
         ("writing", ("moved, written, renamed", ".pvd and .csv")),
     ],
@@ -34,7 +39,7 @@ def test_each_benchmark_gives_its_rows_and_skips_a_missing_peer_by_name(name, wo
     text = table(measure([name], TINY))
     for word in words:
         assert word in text
-    for peer in {"inertia": ["trimesh"], "motion": ["mujoco"]}.get(name, []):
+    for peer in {"inertia": ["trimesh"], "motion": ["mujoco"], "peers": ["mujoco", "exudyn"]}.get(name, []):
         assert f"| skipped: {peer} is not installed |" in text
     assert len({line.count(" | ") for line in text.splitlines()[2:]}) == 1
 
@@ -44,6 +49,16 @@ def test_with_its_peer_there_the_row_has_a_ratio():
     rows = [row for row in measure(["inertia"], TINY) if "trimesh" in row.benchmark]
     assert rows
     assert all(row.ratio > 0 and not row.skipped for row in rows)
+
+
+@pytest.mark.parametrize("library", PEERS)
+def test_a_peer_computes_the_same_motion(library):
+    pytest.importorskip(library)
+    for race in (free_tumbling(TINY), heavy_top(TINY)):
+        end = true_end(race)
+        for name, task_of in PEERS[library](race):
+            _, task = longest_steps(race, name, task_of, end)
+            assert turned(task()[None], end) <= ATTITUDE_IN_TIME
 
 
 def test_help_imports_no_numpy_and_the_row_says_so():

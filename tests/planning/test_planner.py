@@ -96,7 +96,7 @@ def test_dampers_rule_out_what_they_would_bring_down_to_order_two(scene_of):
 def test_a_fast_top_is_called_weakly_turned_and_gets_the_method_for_it(scene_of):
     top = {"pivot": [0, 0, 0], "position": [0.02, 0, 0], "angular_velocity": [150, 3, 0]}
     plan = rbfem.plan(scene_of(top, gravity=[0, 0, -9.81], accuracy=1e-8))
-    assert "weakly turned" in plan.method.reason and plan.method.value == "aba864"
+    assert "weakly turned" in plan.method.reason and "aba864" in plan.pilot.reason
     slow = rbfem.plan(scene_of(top | {"angular_velocity": [5, 3, 0]}, gravity=[0, 0, -9.81], accuracy=1e-8))
     assert "weakly turned" not in slow.method.reason and "aba864" not in slow.pilot.reason
 

@@ -25,7 +25,7 @@ from rbfem.scene.scene import Scene
 # What the pilot tries: the methods that came out best on charts of smooth motion, by loads and error accepted.
 COARSE_ACCURACY = 2e-5
 CANDIDATES = {"coarse": ("aba864", "rkn4", "kdk"), "fine": ("rkn6", "dop853_fixed")}
-WEAKLY_TURNED_CANDIDATES = {"coarse": ("aba864", "rkn4", "kdk"), "fine": ("aba864", "rkn6", "dop853_fixed")}
+WEAKLY_TURNED_CANDIDATES = {"coarse": ("aba864", "rkn4", "kdk"), "fine": ("rkn6", "aba864", "dop853_fixed")}
 DAMPED_CANDIDATES = {"coarse": ("dop853_fixed", "rk4"), "fine": ("dop853_fixed",)}
 STEP_GIVEN, DAMPED_STEP_GIVEN = "rkn4", "dop853_fixed"
 
