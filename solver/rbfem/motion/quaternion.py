@@ -175,9 +175,14 @@ def angle_between(a: ArrayLike, b: ArrayLike) -> Array:
     return np.linalg.norm(log(product(conjugate(a), b)), axis=-1)
 
 
-def _components(values: ArrayLike) -> Array:
-    return np.moveaxis(np.asarray(values, dtype=float), -1, 0)
+def _components(values: ArrayLike) -> list[Array]:
+    """Views by hand: NumPy's moveaxis and stack take longer than the algebra where bodies are few."""
+    values = np.asarray(values, dtype=float)
+    return [values[..., i] for i in range(values.shape[-1])]
 
 
 def _join(components) -> Array:
-    return np.stack(np.broadcast_arrays(*components), axis=-1)
+    joined = np.empty((*np.broadcast_shapes(*map(np.shape, components)), len(components)))
+    for i, component in enumerate(components):
+        joined[..., i] = component
+    return joined
