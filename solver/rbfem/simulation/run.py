@@ -40,7 +40,7 @@ LEAST_REFINEMENT, LARGEST_REFINEMENT, BLOWN_UP_REFINEMENT = 1.2, 8.0, 2.0
 ROUNDING_SHARE = 0.3
 COMPANION_TOLERANCE = 100.0  # times that of an adaptive run; its error is at least ten times that of the run
 EPS = 2.3e-16
-SAFETY = 4.0  # the printed estimate is this times what Richardson makes of the difference
+SAFETY = 2.5  # the printed estimate is this times what Richardson makes of the difference
 
 Array = NDArray[np.float64]
 Models = NDArray[np.int64]
