@@ -81,6 +81,13 @@ def test_a_run_that_blows_up_begins_again_too(scene_of, run_of):
         run_of(scene, dataclasses.replace(careless, redo=False))
 
 
+def test_an_error_that_stays_unknown_is_not_passed_as_met(scene_of, run_of):
+    run, _ = run_of(scene_of(HUNG, gravity=GRAVITY, accuracy=1e-3, time={"end": 1}, output={"every": 0.5}))
+    assert run.unmet == ""
+    run.error.unknown_because = "the companion has blown up"
+    assert run.unmet == "the companion has blown up"
+
+
 def test_many_frames_bring_no_false_alarm(scene_of, run_of):
     scene = scene_of(HUNG, gravity=GRAVITY, accuracy=1e-6, time={"end": 2}, output={"every": 0.005})
     run, _ = run_of(scene)

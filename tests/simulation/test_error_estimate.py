@@ -5,7 +5,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from rbfem.motion import quaternion
-from rbfem.simulation.run import SAFETY
+from rbfem.simulation.motion_error import SAFETY
 
 MOMENTS = np.array([0.065, 0.05, 0.025])  # of the brick: 0.1 x 0.2 x 0.3 m, 6 kg
 MASS, RADIUS = 6.0, np.linalg.norm([0.1, 0.2, 0.3]) / 2

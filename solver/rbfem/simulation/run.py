@@ -25,6 +25,7 @@ from rbfem.scene.scene import Scene
 from rbfem.simulation.expectations import ExpectationResult, check_expectation
 from rbfem.simulation.frame import Frame
 from rbfem.simulation.frames import frame_of
+from rbfem.simulation.motion_error import COMPANION_TOLERANCE, MotionError
 
 # Body-steps of one call of the stepper, so that the loop looks up often enough for Ctrl-C and the clock.
 BODY_STEPS_A_CALL = {"python": 3e3, "serial": 3e6, "parallel": 6e6}
@@ -38,9 +39,7 @@ LARGEST = 1e50  # a state beyond has blown up; below, its energies and their squ
 MOST_REDOS, ALARM, LARGEST_GROWTH, LOOK_AHEAD = 8, 3.0, 6.0, 1 / 8
 LEAST_REFINEMENT, LARGEST_REFINEMENT, BLOWN_UP_REFINEMENT = 1.2, 8.0, 2.0
 ROUNDING_SHARE = 0.3
-COMPANION_TOLERANCE = 100.0  # times that of an adaptive run; its error is at least ten times that of the run
 EPS = 2.3e-16
-SAFETY = 2.5  # the printed estimate is this times what Richardson makes of the difference
 
 Array = NDArray[np.float64]
 Models = NDArray[np.int64]
@@ -84,66 +83,6 @@ class Cost:
 
 
 @dataclass
-class MotionError:
-    """What is known of the error of the motion: the largest difference from a companion run, over bodies and frames,
-    and what Richardson makes of it.
-
-    order      : by which the error falls with the step; 0 where there is no step
-    ratio      : steps of the run for one of the companion, the smallest of all spans; 0 for an adaptive method
-    position   : share of the bounding radius        attitude : rad
-    rounding   : predicted, of attitudes and positions
-    before     : estimate for the frames that a coarser attempt has given
-    redone     : how often the run was begun again, finer
-    unknown_because : why there is no estimate; empty where there is one
-    """
-
-    order: float
-    ratio: float = math.inf
-    position: float = 0.0
-    attitude: float = 0.0
-    rounding: float = 0.0
-    before: float = 0.0
-    redone: int = 0
-    unknown_because: str = "the run has not come to its first stop yet"
-
-    @property
-    def share(self) -> float:
-        """Error of this run as a share of its difference from the companion."""
-        if self.ratio == 0.0:
-            return 1.0 / (COMPANION_TOLERANCE**0.5 - 1.0)
-        return 1.0 / (self.ratio**self.order - 1.0) if self.order else 0.0
-
-    @property
-    def of_this_attempt(self) -> float | None:
-        if self.unknown_because:
-            return None
-        return SAFETY * self.share * max(self.position, self.attitude) + self.rounding
-
-    @property
-    def estimated(self) -> float | None:
-        here = self.of_this_attempt
-        return None if here is None else max(self.before, here)
-
-    @property
-    def how(self) -> str:
-        """How the estimate was made, in words."""
-        if self.unknown_because:
-            return self.unknown_because
-        if not self.order:
-            return "closed form: the predicted rounding"
-        if self.ratio == 0.0:
-            times = f"{COMPANION_TOLERANCE:g} times the tolerance"
-            return (
-                f"a companion run at {times}: {SAFETY * self.share:.2g} of the difference, and the predicted rounding"
-            )
-        times = f"{self.ratio:.3g} times as long"
-        return (
-            f"Richardson: {SAFETY:g} times the largest difference from a companion run whose steps are {times}, over "
-            f"{self.ratio:.3g}^{self.order:.3g} - 1, and the predicted rounding"
-        )
-
-
-@dataclass
 class Run:
     """Iterate over it for its frames; `error`, `cost`, `largest_drift`, `expectations`, `warnings` fill meanwhile."""
 
@@ -178,7 +117,11 @@ class Run:
     @property
     def unmet(self) -> str:
         """Why the accuracy was not reached although the step was left to the program; empty where it was."""
-        if not self.plan.redo or self.error.estimated is None or self.error.estimated <= self.scene.accuracy:
+        if not self.plan.redo or not self.plan.verify.value:
+            return ""
+        if self.error.estimated is None:
+            return self.error.unknown_because
+        if self.error.estimated <= self.scene.accuracy:
             return ""
         if self.error.rounding > ROUNDING_SHARE * self.scene.accuracy:
             return "rounding alone comes to that, and shorter steps would only add to it"

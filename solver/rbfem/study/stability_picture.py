@@ -12,6 +12,8 @@ from numpy.typing import NDArray
 
 from rbfem.results.whole_file import whole_file, write_text
 from rbfem.study.amplification import stable_step
+from rbfem.study.chart import INK
+from rbfem.study.chart import STYLE as CHART_STYLE
 from rbfem.study.stability import Stability, as_csv
 from rbfem.study.stability_map import growth
 
@@ -28,19 +30,8 @@ MAP_STEPS = 700  # enough for a picture
 FASTEST = 1.0  # growth of the amplitude per step, ln, at which the colour ends
 
 LEGEND = "a sprung body: stable where it is blue, growing the faster the darker; dashed: theory without spin"
-INK, PALE, STABLE, MEASURED, THEORY = "#222222", "#777777", "#DCE9F2", "#0072B2", "#D55E00"
-STYLE: Any = {
-    "font.family": "DejaVu Sans",  # comes with matplotlib
-    "font.size": 9,
-    "axes.edgecolor": PALE,
-    "axes.labelcolor": INK,
-    "text.color": INK,
-    "xtick.color": PALE,
-    "ytick.color": PALE,
-    "xtick.labelcolor": INK,
-    "ytick.labelcolor": INK,
-    "svg.hashsalt": "rbfem",  # the same picture is the same file
-}
+STABLE, MEASURED, THEORY = "#DCE9F2", "#0072B2", "#D55E00"
+STYLE = {**CHART_STYLE, "font.size": 9}
 
 
 def write_stability(study: Stability, directory: Path) -> list[Path]:
