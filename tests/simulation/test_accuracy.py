@@ -8,6 +8,7 @@ import pytest
 import rbfem
 from rbfem.motion import quaternion
 from rbfem.planning.plan import Choice
+from rbfem.simulation import run as run_module
 
 TOP = {"pivot": [0, 0, 0], "position": [0.1, 0, 0.2], "angular_velocity": [1, 2, 9]}
 HUNG = {
@@ -60,7 +61,7 @@ def test_a_run_that_would_miss_begins_again_and_gives_every_frame_once(scene_of,
     plan = rbfem.plan(scene)
     careless = dataclasses.replace(plan, step=Choice(8.0 * plan.step.value, "too long on purpose"))
     run, frames = run_of(scene, careless)
-    assert run.error.redone > 0
+    assert run.error.redone > 0 and "begun again" in run.error.how
     assert [frame.index for frame in frames] == list(range(9))
     np.testing.assert_allclose([frame.time for frame in frames], 0.25 * np.arange(9), rtol=1e-15)
     assert apart(scene, frames, reference_frames(scene, plan)) <= run.error.estimated <= 1e-7
@@ -79,6 +80,19 @@ def test_a_run_that_blows_up_begins_again_too(scene_of, run_of):
     assert apart(scene, frames, reference_frames(scene, plan)) <= run.error.estimated <= 1e-3
     with pytest.raises(rbfem.RunError, match="blown up"):
         run_of(scene, dataclasses.replace(careless, redo=False))
+
+
+def test_a_run_that_has_become_long_goes_on_in_kernels_that_lie_ready(scene_of, monkeypatch):
+    scene = scene_of(HUNG, gravity=GRAVITY, accuracy=1e-7, time={"end": 2}, output={"every": 0.5})
+    plan = rbfem.plan(scene)
+    run = rbfem.simulate(scene, dataclasses.replace(plan, backend=Choice("python", "short, as it seemed")))
+    monkeypatch.setattr(run_module, "is_cached", lambda *kernel: True)
+    run.cost.wall_seconds = 10.0
+    assert run._backend() == "python"  # the plan is followed as long as it holds
+    run.error.redone = 1
+    assert run._backend() == "serial"
+    monkeypatch.setattr(run_module, "is_cached", lambda *kernel: False)
+    assert run._backend() == "python"
 
 
 def test_an_error_that_stays_unknown_is_not_passed_as_met(scene_of, run_of):

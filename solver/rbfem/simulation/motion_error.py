@@ -61,7 +61,9 @@ class MotionError:
                 f"a companion run at {times}: {SAFETY * self.share:.2g} of the difference, and the predicted rounding"
             )
         times = f"{self.ratio:.3g} times as long"
+        count = "once" if self.redone == 1 else f"{self.redone} times"
+        again = f"; begun again {count}, finer" if self.redone else ""
         return (
             f"Richardson: {SAFETY:g} times the largest difference from a companion run whose steps are {times}, over "
-            f"{self.ratio:.3g}^{self.order:.3g} - 1, and the predicted rounding"
+            f"{self.ratio:.3g}^{self.order:.3g} - 1, and the predicted rounding{again}"
         )

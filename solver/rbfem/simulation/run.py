@@ -11,11 +11,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rbfem.compute.loops import is_cached
 from rbfem.errors import InputError, RunError
 from rbfem.motion import quaternion
 from rbfem.motion.methods import METHODS
 from rbfem.motion.model import TRANSLATING
-from rbfem.motion.state import State, System, angular_velocity_world, move, move_to_tolerance
+from rbfem.motion.state import State, System, angular_velocity_world, kernel_of, move, move_to_tolerance
 from rbfem.planning.models import models_of
 from rbfem.planning.pilot import error_scale
 from rbfem.planning.plan import Plan
@@ -39,6 +40,7 @@ LARGEST = 1e50  # a state beyond has blown up; below, its energies and their squ
 MOST_REDOS, ALARM, LARGEST_GROWTH, LOOK_AHEAD = 8, 3.0, 6.0, 1 / 8
 LEAST_REFINEMENT, LARGEST_REFINEMENT, BLOWN_UP_REFINEMENT = 1.2, 8.0, 2.0
 ROUNDING_SHARE = 0.3
+PATIENCE = 1.0  # s of interpreted steps, as long as it takes to start the compiler's library
 EPS = 2.3e-16
 
 Array = NDArray[np.float64]
@@ -183,7 +185,7 @@ class Run:
 
     def _move(self, state: State, dt: float, n_steps: int, stop: Stop, system: System) -> State:
         """To a stop, in calls short enough to be interrupted; the time is then the stop's own to the last digit."""
-        method, backend = str(self.plan.method.value), str(self.plan.backend.value)
+        method, backend = str(self.plan.method.value), self._backend()
         at_once, before = steps_a_call(self.scene.n_bodies, backend), state.evaluations
         with np.errstate(all="ignore"):  # what has blown up is told in words, by the caller
             for done in range(0, n_steps, at_once):
@@ -192,13 +194,20 @@ class Run:
         return replace(state, time=stop.time)
 
     def _move_adaptively(self, state: State, stop: Stop, step: float, tolerance: float, system: System) -> State:
-        method, backend, before = str(self.plan.method.value), str(self.plan.backend.value), state.evaluations
+        method, backend, before = str(self.plan.method.value), self._backend(), state.evaluations
         scale = error_scale(system, self.scene.bounding_radius, 0.1 / step)
         with np.errstate(all="ignore"):
             state = move_to_tolerance(state, stop.time - state.time, step, tolerance, scale, method, system, backend)
         evaluations = state.evaluations - before
         self._count(evaluations // METHODS[method].evaluations, evaluations, system)
         return replace(state, time=stop.time)
+
+    def _backend(self) -> str:
+        """That of the plan; a run that was begun again and has become long changes to kernels that lie ready."""
+        planned, kernel = str(self.plan.backend.value), kernel_of(str(self.plan.method.value))
+        if planned != "python" or not self.error.redone or self.cost.wall_seconds < PATIENCE:
+            return planned
+        return "serial" if is_cached(kernel, "serial") else planned
 
     def _count(self, n_steps: int, evaluations: int, system: System) -> None:
         self.cost.steps += n_steps
