@@ -1,22 +1,17 @@
 """`rbfem chart`: the work-precision chart of a case."""
 
-import sys
-import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Iterator
 from pathlib import Path
 
 import click
 
-SECONDS_BETWEEN_LINES = 10.0
+from rbfem.cli.options import case_argument, output_option, set_option
 
 
 @click.command("chart")
-@click.argument("case", type=click.Path(path_type=Path))
-@click.option(
-    "-o", "--output", "directory", metavar="DIR", type=click.Path(path_type=Path), help="Default: results/NAME."
-)
-@click.option("--set", "overrides", multiple=True, metavar="KEY=VALUE", help="Override a value; bodies by their name.")
+@case_argument
+@output_option
+@set_option
 def command(case: Path, directory: Path | None, overrides: tuple[str, ...]) -> None:
     """Show error against cost of every method on CASE, a case.yaml or its folder, and the choice that `run` makes.
 
@@ -28,13 +23,14 @@ def command(case: Path, directory: Path | None, overrides: tuple[str, ...]) -> N
     scene = load(case, overrides)
     directory = directory or Path("results") / scene.name
     require_writable(directory)
+    from rbfem.cli.progress import progress_of
     from rbfem.cli.tables import paragraph
     from rbfem.study.chart import write_chart
     from rbfem.study.summary import HEAD, notes, rows
     from rbfem.study.work_precision import measure
 
     _tell_of_compiling()
-    with _progress() as show:
+    with progress_of("methods") as show:
         study = measure(scene, show)
     click.echo(f"Chart of {study.case}: the cheapest run of each method within {study.accuracy:g}")
     for line in _aligned([HEAD, *rows(study)]):
@@ -53,33 +49,6 @@ def _tell_of_compiling() -> None:
 
     if not all(is_cached(kernel_of(name), "serial") for name in METHODS):
         click.echo("  compiling the kernels, the first time only …", err=True)
-
-
-@contextmanager
-def _progress() -> Iterator[Callable[[int, int, str], None]]:
-    """A bar on a terminal, a plain line now and then otherwise."""
-    if sys.stderr is None or not sys.stderr.isatty():
-        yield _lines()
-        return
-    from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
-
-    columns = (TextColumn("  {task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
-    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task("chart", total=None)
-        yield lambda done, total, what: bar.update(task, completed=done, total=total, description=what)
-
-
-def _lines() -> Callable[[int, int, str], None]:
-    told = time.monotonic()
-
-    def show(done: int, total: int, what: str) -> None:
-        nonlocal told
-        if time.monotonic() - told > SECONDS_BETWEEN_LINES:
-            told = time.monotonic()
-            click.echo(f"  {done} of {total}: {what}", err=True)
-
-    return show
 
 
 def _aligned(table: list[tuple[str, ...]]) -> Iterator[str]:

@@ -4,10 +4,12 @@ from pathlib import Path
 
 import click
 
+from rbfem.cli.options import case_argument, set_option
+
 
 @click.command("plan")
-@click.argument("case", type=click.Path(path_type=Path))
-@click.option("--set", "overrides", multiple=True, metavar="KEY=VALUE", help="Override a value; bodies by their name.")
+@case_argument
+@set_option
 @click.option("--json", "as_json", is_flag=True, help="The whole plan as JSON.")
 @click.option("--beyond-limit", is_flag=True, help="Accept a step beyond the stability limit.")
 def command(case: Path, overrides: tuple[str, ...], as_json: bool, beyond_limit: bool) -> None:

@@ -2,6 +2,8 @@
 
 import sys
 import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from types import TracebackType
 from typing import Self
 
@@ -57,3 +59,31 @@ class Progress:
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None):
         if self._is_terminal:
             self._bar.stop()
+
+
+@contextmanager
+def progress_of(parts: str) -> Iterator[Callable[[int, int, str], None]]:
+    """For work in parts: gives what is to be called with how many are done, of how many, and the one at hand."""
+    if sys.stderr is None or not sys.stderr.isatty():
+        yield _lines(parts)
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeElapsedColumn
+    from rich.progress import Progress as Bar
+
+    columns = (TextColumn("  {task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
+    with Bar(*columns, console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task(parts, total=None)
+        yield lambda done, total, what: bar.update(task, completed=done, total=total, description=what)
+
+
+def _lines(parts: str) -> Callable[[int, int, str], None]:
+    told = time.monotonic()
+
+    def show(done: int, total: int, what: str) -> None:
+        nonlocal told
+        if time.monotonic() - told > SECONDS_BETWEEN_LINES:
+            told = time.monotonic()
+            click.echo(f"  {done} of {total} {parts}: {what}", err=True)
+
+    return show

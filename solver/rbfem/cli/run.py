@@ -4,13 +4,13 @@ from pathlib import Path
 
 import click
 
+from rbfem.cli.options import case_argument, output_option, set_option
+
 
 @click.command("run")
-@click.argument("case", type=click.Path(path_type=Path))
-@click.option(
-    "-o", "--output", "directory", metavar="DIR", type=click.Path(path_type=Path), help="Default: results/NAME."
-)
-@click.option("--set", "overrides", multiple=True, metavar="KEY=VALUE", help="Override a value; bodies by their name.")
+@case_argument
+@output_option
+@set_option
 @click.option("--beyond-limit", is_flag=True, help="Go on with a step beyond the stability limit.")
 @click.pass_context
 def command(

@@ -1,20 +1,16 @@
 """`rbfem stability`: the longest stable step of each method on a case."""
 
-import time
-from collections.abc import Callable
 from pathlib import Path
 
 import click
 
-SECONDS_BETWEEN_LINES = 10.0
+from rbfem.cli.options import case_argument, output_option, set_option
 
 
 @click.command("stability")
-@click.argument("case", type=click.Path(path_type=Path))
-@click.option(
-    "-o", "--output", "directory", metavar="DIR", type=click.Path(path_type=Path), help="Default: results/NAME."
-)
-@click.option("--set", "overrides", multiple=True, metavar="KEY=VALUE", help="Override a value; bodies by their name.")
+@case_argument
+@output_option
+@set_option
 def command(case: Path, directory: Path | None, overrides: tuple[str, ...]) -> None:
     """Find the step at which each method fails on CASE, a case.yaml or its folder, beside what theory says.
 
@@ -26,11 +22,13 @@ def command(case: Path, directory: Path | None, overrides: tuple[str, ...]) -> N
     scene = load(case, overrides)
     directory = directory or Path("results") / scene.name
     require_writable(directory)
+    from rbfem.cli.progress import progress_of
     from rbfem.cli.tables import paragraph
     from rbfem.study.stability import measure, notes, table
     from rbfem.study.stability_picture import write_stability
 
-    study = measure(scene, _lines())
+    with progress_of("methods") as show:
+        study = measure(scene, show)
     if not study.limits:
         click.echo(f"{study.case}: nothing limits the step: nothing swings, is damped or spins")
         return
@@ -42,16 +40,3 @@ def command(case: Path, directory: Path | None, overrides: tuple[str, ...]) -> N
             click.echo(line)
     for path in write_stability(study, directory):
         click.echo(path)
-
-
-def _lines() -> Callable[[int, int, str], None]:
-    """A line now and then."""
-    told = time.monotonic()
-
-    def show(done: int, total: int, what: str) -> None:
-        nonlocal told
-        if time.monotonic() - told > SECONDS_BETWEEN_LINES:
-            told = time.monotonic()
-            click.echo(f"  {done} of {total} methods: {what}", err=True)
-
-    return show
