@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import accumulate
 
 from rbfem.motion import dop853
@@ -59,7 +60,7 @@ class Splitting:
     def is_kick(self, i: int) -> bool:
         return (i % 2 == 0) == self.begins_with_kick
 
-    @property
+    @cached_property
     def evaluations(self) -> int:
         """Kicks a step, where the last of a step and the first of the next are one."""
         return sum(self.is_kick(i) for i in range(len(self.parts))) - self.begins_with_kick

@@ -4,9 +4,12 @@ A unit quaternion q turns body axes into world axes, v_world = q v_body q̄, and
 Source: Sola, Quaternion kinematics for the error-state Kalman filter, arXiv 1711.02508, sections 1 and 2.
 """
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from rbfem.compute.rows import each_row
 from rbfem.motion import rotation
 
 Array = NDArray[np.float64]
@@ -18,7 +21,7 @@ def product(a: ArrayLike, b: ArrayLike) -> Array:
     >>> product([0, 1, 0, 0], [0, 0, 1, 0])
     array([0., 0., 0., 1.])
     """
-    return _join(rotation.multiply(*_components(a), *_components(b)))
+    return _componentwise(rotation.multiply, a, b)
 
 
 def conjugate(q: ArrayLike) -> Array:
@@ -46,7 +49,7 @@ def rotate(q: ArrayLike, v: ArrayLike) -> Array:
     >>> rotate([0, 0, 0, 1], [1, 2, 3])
     array([-1., -2.,  3.])
     """
-    return _join(rotation.rotate(*_components(q), *_components(v)))
+    return _componentwise(rotation.rotate, q, v)
 
 
 def rotate_back(q: ArrayLike, v: ArrayLike) -> Array:
@@ -55,7 +58,7 @@ def rotate_back(q: ArrayLike, v: ArrayLike) -> Array:
     >>> rotate_back([0, 0, 0, 1], [-1, -2, 3])
     array([1., 2., 3.])
     """
-    return rotate(conjugate(q), v)
+    return _componentwise(rotation.rotate_back, q, v)
 
 
 def exp(rotation_vector: ArrayLike) -> Array:
@@ -175,9 +178,16 @@ def angle_between(a: ArrayLike, b: ArrayLike) -> Array:
     return np.linalg.norm(log(product(conjugate(a), b)), axis=-1)
 
 
-def _components(values: ArrayLike) -> list[Array]:
-    """Views by hand: NumPy's moveaxis and stack take longer than the algebra where bodies are few."""
-    values = np.asarray(values, dtype=float)
+def _componentwise(function: Callable, a: ArrayLike, b: ArrayLike) -> Array:
+    """A function of the components of a, then those of b; the results along the last axis."""
+    a, b = np.asarray(a, dtype=float), np.asarray(b, dtype=float)
+    if a.ndim == b.ndim == 2 and len(a) == len(b):
+        return np.ascontiguousarray(each_row(lambda p, q: function(*p, *q), a, b))
+    return _join(function(*_components(a), *_components(b)))
+
+
+def _components(values: Array) -> list[Array]:
+    """Views by hand: NumPy's moveaxis and stack take longer than the algebra of a few quaternions."""
     return [values[..., i] for i in range(values.shape[-1])]
 
 

@@ -1,7 +1,8 @@
 """What changes during a run, and the function that changes it."""
 
+import functools
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,11 +13,24 @@ from rbfem.motion import quaternion
 from rbfem.motion.adaptive import step_adaptively
 from rbfem.motion.lie import step_on_group
 from rbfem.motion.methods import METHODS, Method, RungeKutta, Splitting
-from rbfem.motion.model import LEDGER_WIDTH, Bodies, Islands, Loads, Scratch, scratch_for
+from rbfem.motion.model import (
+    LEDGER_WIDTH,
+    POSITION,
+    QUATERNION,
+    SPIN,
+    VELOCITY,
+    Bodies,
+    Islands,
+    Loads,
+    Scratch,
+    scratch_for,
+)
 from rbfem.motion.runge_kutta import step_by_runge_kutta
 from rbfem.motion.splitting import step_by_splitting
 
 Array = NDArray[np.float64]
+
+_NO_SCRATCH = scratch_for(0, 0)
 
 
 @dataclass(frozen=True)
@@ -59,6 +73,8 @@ def initial_state(position: Array, attitude: Array, velocity: Array, angular_mom
 def make_islands(member: NDArray[np.int64], first: NDArray[np.int64], loads: Loads, first_load: NDArray) -> Islands:
     """Islands of these members, each told whether dampers or drag act in it; first_load : (n + 1,), see `Bodies`."""
     damps = ((loads.kind == kinds.SPRING) & (loads.values[:, 7] != 0.0)) | (loads.kind == kinds.DRAG)
+    if not damps.any():
+        return Islands(member, first, np.zeros(len(first) - 1, dtype=np.int64))
     dampers = np.diff(np.concatenate([[0], np.cumsum(damps)])[first_load])  # of each body
     total = np.concatenate([[0], np.cumsum(dampers[member])])[first]
     return Islands(member, first, (np.diff(total) > 0).astype(np.int64))
@@ -71,7 +87,7 @@ def move(state: State, dt: float, n_steps: int, method: str, system: System, bac
     common = system.bodies, system.loads, system.islands, system.gravity, scratch
     scheme = row.scheme
     if isinstance(scheme, Splitting):
-        parts, times = np.array(scheme.parts), np.array(scheme.times)
+        parts, times = _shares(scheme)
         kernel = loop(step_by_splitting, backend)
         kernel(stacked, ledger, state.time, dt, n_steps, parts, times, scheme.begins_with_kick, scheme.rotor, *common)
     elif isinstance(scheme, RungeKutta):
@@ -79,8 +95,8 @@ def move(state: State, dt: float, n_steps: int, method: str, system: System, bac
         kernel(stacked, ledger, state.time, dt, n_steps, *_coefficients(scheme), *common)
     else:
         loop(step_on_group, backend)(stacked, ledger, state.time, dt, n_steps, *common)
-    done = replace(state, time=state.time + n_steps * dt, ledger=ledger)
-    return _unstack(stacked, replace(done, evaluations=state.evaluations + _evaluations(row, n_steps)), row, system)
+    evaluations = state.evaluations + _evaluations(row, n_steps)
+    return State(state.time + n_steps * dt, *_unstack(stacked, row, system), ledger, evaluations)
 
 
 def move_to_tolerance(
@@ -109,8 +125,7 @@ def move_to_tolerance(
     )  # fmt: skip
     stacked[_members(system.islands, evaluations < 0)] = np.nan
     most = int(evaluations.max(initial=0))
-    done = replace(state, time=state.time + span, ledger=ledger, evaluations=state.evaluations + most)
-    return _unstack(stacked, done, row, system)
+    return State(state.time + span, *_unstack(stacked, row, system), ledger, state.evaluations + most)
 
 
 def kernel_of(method: str) -> Callable:
@@ -124,15 +139,21 @@ def kernel_of(method: str) -> Callable:
 
 
 def _working_memory(state: State, row: Method, system: System) -> tuple[Array, Array, Scratch]:
-    """State in rows, ledger and scratch; no more than a line of scratch where every body flies by itself."""
+    """State in rows, ledger and scratch; no scratch where every body flies by itself."""
     stacked = _stack(state, row, system)
     if not system.bodies.is_pushed.any() and (row.flies_exactly or isinstance(row.scheme, RungeKutta)):
-        return stacked, state.ledger, scratch_for(0, row.evaluations)
+        return stacked, state.ledger, _NO_SCRATCH
     scratch = scratch_for(len(stacked), row.evaluations)
     scratch.stage[:] = stacked
     return stacked, state.ledger.copy(), scratch
 
 
+@functools.cache
+def _shares(scheme: Splitting) -> tuple[Array, Array]:
+    return np.array(scheme.parts), np.array(scheme.times)
+
+
+@functools.cache
 def _coefficients(scheme: RungeKutta) -> tuple[Array, Array, Array, NDArray[np.int64]]:
     stages = len(scheme.weights)
     tableau = np.zeros((stages, stages))
@@ -163,12 +184,14 @@ def _stack(state: State, row: Method, system: System) -> Array:
     return np.concatenate([state.position, state.quaternion, state.velocity, spin], axis=1)
 
 
-def _unstack(stacked: Array, state: State, row: Method, system: System) -> State:
-    position, attitude, velocity, spin = np.split(stacked, [3, 7, 10], axis=1)
+def _unstack(stacked: Array, row: Method, system: System) -> tuple[Array, Array, Array, Array]:
+    """Position, quaternion, velocity and angular momentum, out of their columns."""
+    position, attitude = stacked[:, POSITION:QUATERNION], stacked[:, QUATERNION:VELOCITY]
+    velocity, spin = stacked[:, VELOCITY:SPIN], stacked[:, SPIN:]
     if _is_world(row):
         in_body = quaternion.rotate_back(quaternion.normalize(attitude), spin)
         spin = in_body / system.bodies.inverse_moments
-    return replace(state, position=position, quaternion=attitude, velocity=velocity, angular_momentum=spin)
+    return position, attitude, velocity, spin
 
 
 def _is_world(row: Method) -> bool:

@@ -66,7 +66,7 @@ def models_of(choices: tuple[ModelChoice, ...], n_bodies: int) -> NDArray[np.int
 
 def pushed(scene: Scene) -> NDArray[np.bool_]:
     """(n,) bodies on which something acts besides gravity at their centre of mass."""
-    return (np.diff(scene.first_load) > 0) | scene.is_held
+    return (scene.first_load[1:] > scene.first_load[:-1]) | scene.is_held
 
 
 def _can_be_turned(scene: Scene) -> NDArray[np.bool_]:

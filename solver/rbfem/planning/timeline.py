@@ -1,5 +1,6 @@
 """When a run stops to look: at outputs, at breakpoints of ramps and where something is expected."""
 
+import math
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -23,7 +24,7 @@ class Stop:
 
 def output_times(scene: Scene) -> Array:
     """0, then every output interval, and the end."""
-    count = int(np.floor(scene.end_time / scene.output_interval + NEAR))
+    count = math.floor(scene.end_time / scene.output_interval + NEAR)
     times: Array = scene.output_interval * np.arange(count + 1, dtype=np.float64)
     if count == 0 or scene.end_time - times[-1] > NEAR * scene.output_interval:
         return np.append(times, scene.end_time)
@@ -44,14 +45,16 @@ def nearness(scene: Scene) -> float:
 def stops(scene: Scene) -> list[Stop]:
     """Every time after zero at which a step must end, ascending."""
     outputs = output_times(scene)[1:]
+    at_outputs = [Stop(time, True) for time in outputs.tolist()]
     extra = np.concatenate([scene.loads.ramp_time, [expect.time for expect in scene.expectations]])
     near = nearness(scene)
     extra = extra[(extra > near) & (extra < scene.end_time)]
+    if not len(extra):
+        return at_outputs
     nearest = np.abs(extra[:, None] - outputs[np.searchsorted(outputs, extra).clip(0, len(outputs) - 1)][:, None])
     before = np.abs(extra[:, None] - outputs[(np.searchsorted(outputs, extra) - 1).clip(0)][:, None])
     new = np.unique(extra[(np.minimum(nearest, before) > near).ravel()])
-    every = [Stop(float(time), True) for time in outputs] + [Stop(float(time), False) for time in new]
-    return sorted(every, key=lambda stop: stop.time)
+    return sorted([*at_outputs, *(Stop(time, False) for time in new.tolist())], key=lambda stop: stop.time)
 
 
 def steps_between(start: float, end: float, step: float | None) -> int:
@@ -63,7 +66,7 @@ def steps_between(start: float, end: float, step: float | None) -> int:
     >>> steps_between(0.0, 1.0, None)
     1
     """
-    return 1 if step is None else max(2, int(np.ceil((end - start) / step - NEAR)))
+    return 1 if step is None else max(2, math.ceil((end - start) / step - NEAR))
 
 
 def total_steps(scene: Scene, step: float | None) -> int:

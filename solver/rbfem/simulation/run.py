@@ -16,7 +16,7 @@ from rbfem.errors import InputError, RunError
 from rbfem.motion import quaternion
 from rbfem.motion.methods import METHODS
 from rbfem.motion.model import TRANSLATING
-from rbfem.motion.state import State, System, angular_velocity_world, kernel_of, move, move_to_tolerance
+from rbfem.motion.state import State, System, kernel_of, move, move_to_tolerance
 from rbfem.planning.models import models_of
 from rbfem.planning.pilot import error_scale
 from rbfem.planning.plan import Plan
@@ -25,7 +25,7 @@ from rbfem.planning.timeline import Stop, nearness, steps_between, stops
 from rbfem.scene.scene import Scene
 from rbfem.simulation.expectations import ExpectationResult, check_expectation
 from rbfem.simulation.frame import Frame
-from rbfem.simulation.frames import frame_of
+from rbfem.simulation.frames import Setting, frame_of, setting_of
 from rbfem.simulation.motion_error import COMPANION_TOLERANCE, MotionError
 
 # Body-steps of one call of the stepper, so that the loop looks up often enough for Ctrl-C and the clock.
@@ -103,14 +103,14 @@ class Run:
             raise RunError("a run goes through its frames once; simulate(scene, plan) makes another")
         models = models_of(self.plan.models, self.scene.n_bodies)
         system = build_system(self.scene, models)
-        start = starting_state(self.scene)
-        frame = self._look(frame_of(self.scene, system, start, 0))
+        setting, start = setting_of(self.scene, system), starting_state(self.scene)
+        frame = self._look(frame_of(setting, start, 0))
         self._expect(frame)
         yield frame
         knob, ends = _Knob(self.plan.step.value, self.plan.tolerance.value), stops(self.scene)
         course = _Course(ends, np.zeros(len(ends)))
         while True:
-            finer = yield from self._attempt(system, models, start, knob, course)
+            finer = yield from self._attempt(setting, models, start, knob, course)
             if finer == 1.0:
                 return
             knob = knob.finer(finer, self.error.order)
@@ -132,7 +132,7 @@ class Run:
         )
 
     def _attempt(
-        self, system: System, models: Models, start: State, knob: _Knob, course: _Course
+        self, setting: Setting, models: Models, start: State, knob: _Knob, course: _Course
     ) -> Generator[Frame, None, float]:
         """Run from the start; give the frames that no attempt has given yet while the error is the one accepted.
 
@@ -142,15 +142,15 @@ class Run:
         index = 0
         for k, stop in enumerate(course.stops):
             began = time.perf_counter()
-            state, companion = self._to_stop(state, companion, stop, knob, system)
+            state, companion = self._to_stop(state, companion, stop, knob, setting.system)
             has_lost_it = bool(self.plan.verify.value) and companion is None
             if self._may_redo and (has_lost_it or len(_blown_up(state))):
                 return BLOWN_UP_REFINEMENT
-            self._check_state(state, models)
+            self._check_state(state)
             self.cost.wall_seconds += time.perf_counter() - began
             index += stop.is_output
-            frame = frame_of(self.scene, system, state, index)
-            self._estimate(frame, state, companion, system, models, index)
+            frame = frame_of(setting, state, index)
+            self._estimate(frame, state, companion, setting, models)
             finer = self._refinement(stop, k, course)
             if finer > 1.0:
                 return finer
@@ -159,7 +159,7 @@ class Run:
             self.error.before = self.error.estimated or 0.0
             course.shown = k + 1
             self._look(frame)
-            self._watch_spin(state, system, models)
+            self._watch_spin(frame, models)
             self._expect(frame)
             if stop.is_output:
                 yield frame
@@ -226,17 +226,15 @@ class Run:
         self._warn(f"the error is not known: {self.error.unknown_because}; a step half as long can be checked")
         return None
 
-    def _estimate(
-        self, frame: Frame, state: State, companion: State | None, system, models: Models, index: int
-    ) -> None:
+    def _estimate(self, frame: Frame, state: State, companion: State | None, setting: Setting, models: Models) -> None:
         """Take the difference from the companion and the rounding so far into the error."""
         radius = self.scene.bounding_radius
         turned = float(np.linalg.norm(frame.angular_velocity, axis=1).max(initial=0.0)) * frame.time
-        farthest = float((np.abs(frame.position).max(axis=1) / radius).max())
-        rounding = EPS * (8.0 + 2.0 * (turned + farthest) + 4.0 * math.sqrt(state.evaluations + index))
+        farthest = float((np.abs(frame.position) / radius[:, None]).max())
+        rounding = EPS * (8.0 + 2.0 * (turned + farthest) + 4.0 * math.sqrt(state.evaluations + frame.index))
         self.error.rounding = max(self.error.rounding, rounding)
         if companion is not None:
-            other = frame_of(self.scene, system, companion, index)
+            other = frame_of(setting, companion, frame.index)
             apart = np.linalg.norm(frame.position - other.position, axis=1) / radius
             angle = quaternion.angle_between(frame.quaternion, other.quaternion)
             self.error.position = max(self.error.position, float(apart.max()))
@@ -270,7 +268,7 @@ class Run:
             growth = math.log(here / errors[middle]) / math.log(stops[k].time / stops[middle].time)
         return here * (self.scene.end_time / stops[k].time) ** min(LARGEST_GROWTH, max(1.0, growth))
 
-    def _check_state(self, state: State, models) -> None:
+    def _check_state(self, state: State) -> None:
         wrong = _blown_up(state)
         if len(wrong):
             others = f" (and of {len(wrong) - 1} more)" if len(wrong) > 1 else ""
@@ -279,8 +277,7 @@ class Run:
                 f"method {self.plan.method.value} with {self._step_in_words()} has blown up; use a shorter step, or "
                 "`step: auto`"
             )
-        norm = np.abs(np.linalg.norm(state.quaternion[models > TRANSLATING], axis=1) - 1.0).max(initial=0.0)
-        if norm > NORM_DRIFT:
+        if np.abs(np.linalg.norm(state.quaternion, axis=1) - 1.0).max() > NORM_DRIFT:
             self._warn(
                 f"the quaternion has left length one by more than {NORM_DRIFT:g}: {self.plan.method.value} lets it"
             )
@@ -290,12 +287,13 @@ class Run:
             return f"a tolerance of {self.plan.tolerance.value:.3g}"
         return f"a step of {self.plan.step.value:.6g} s" if self.plan.step.value else "no step"
 
-    def _watch_spin(self, state: State, system, models) -> None:
-        omega = np.linalg.norm(angular_velocity_world(state, system.bodies), axis=1)
-        fastest = float(omega[models > TRANSLATING].max(initial=0.0))
+    def _watch_spin(self, frame: Frame, models: Models) -> None:
         row = METHODS[str(self.plan.method.value)]
-        needs_short_steps = not (row.flies_exactly or row.is_adaptive)
-        if needs_short_steps and fastest * float(self.plan.step.value) > 2.0:
+        if row.flies_exactly or row.is_adaptive:
+            return
+        omega = np.linalg.norm(frame.angular_velocity, axis=1)
+        fastest = float(omega[models > TRANSLATING].max(initial=0.0))
+        if fastest * float(self.plan.step.value) > 2.0:
             self._warn("a body has come to spin faster than 2/step: the attitude cannot be trusted; use a shorter step")
 
     def _warn(self, message: str) -> None:
@@ -310,10 +308,8 @@ class Run:
         now, start = frame.balance, self.first.balance
         drifts = {
             "energy": abs(now.energy - start.energy - now.work),
-            "momentum": float(np.linalg.norm(now.momentum - start.momentum - now.impulse)),
-            "angular_momentum": float(
-                np.linalg.norm(now.angular_momentum - start.angular_momentum - now.angular_impulse)
-            ),
+            "momentum": math.hypot(*(now.momentum - start.momentum - now.impulse)),
+            "angular_momentum": math.hypot(*(now.angular_momentum - start.angular_momentum - now.angular_impulse)),
         }
         for name, drift in drifts.items():
             self.largest_drift[name] = max(self.largest_drift.get(name, 0.0), drift)
@@ -327,7 +323,9 @@ class Run:
 
 def _blown_up(state: State) -> np.ndarray:
     """Indices of the bodies whose state is no number, infinite or on its way there."""
-    rows = np.hstack([state.position, state.quaternion, state.velocity, state.angular_momentum])
+    rows = np.concatenate([state.position, state.quaternion, state.velocity, state.angular_momentum], axis=1)
+    if np.vdot(rows, rows) < LARGEST**2:  # one look at all of them
+        return np.zeros(0, dtype=np.int64)
     return np.flatnonzero(~(np.abs(rows) < LARGEST).all(axis=1))
 
 

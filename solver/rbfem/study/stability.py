@@ -19,7 +19,7 @@ from rbfem.planning.frequencies import Frequencies, frequencies
 from rbfem.planning.models import choose_models
 from rbfem.planning.system import build_system, starting_state
 from rbfem.scene.scene import Scene
-from rbfem.simulation.frames import frame_of
+from rbfem.simulation.frames import Setting, frame_of, setting_of
 from rbfem.study.amplification import stable_step
 
 Array = NDArray[np.float64]
@@ -82,8 +82,7 @@ class Stability:
 class _Trial:
     """What a step is tried on: the disturbed start, the energy that counts as large, and the longest time, s."""
 
-    scene: Scene
-    system: System
+    setting: Setting
     start: State
     scale: float
     span: float
@@ -119,7 +118,7 @@ def measure(scene: Scene, show: Show = lambda done, total, what: None) -> Stabil
 def _spread(trial: _Trial, fastest: Frequencies, methods: list[str]) -> Iterator[tuple[str, Limit]]:
     """Limits as they are found. The kernels let go of Python's lock; they are compiled beforehand, one by one."""
     for name in methods:
-        move(trial.start, 1e-3 * fastest.step_limit, 1, name, trial.system, "serial")
+        move(trial.start, 1e-3 * fastest.step_limit, 1, name, trial.setting.system, "serial")
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         jobs = {pool.submit(_limit_of, trial, fastest, name): name for name in methods}
         try:
@@ -171,7 +170,7 @@ def is_stable(trial: _Trial, method: str, step: float) -> bool:
     with np.errstate(all="ignore"):  # what grows may pass all numbers
         while done < n_steps:
             block = min(max(done, 1), LONGEST_BLOCK, n_steps - done)
-            state = move(state, step, block, method, trial.system, "serial")
+            state = move(state, step, block, method, trial.setting.system, "serial")
             done += block
             energy, work = _energies(trial, state)
             if not energy - before <= max(0.0, work) + GROWN * trial.scale:
@@ -182,7 +181,7 @@ def is_stable(trial: _Trial, method: str, step: float) -> bool:
 def _trial(scene: Scene, system: System, fastest: Frequencies) -> _Trial:
     start = _disturbed(scene, system, 2.0 / fastest.step_limit)
     span = scene.end_time if _is_driven(scene) else np.inf
-    quiet = _Trial(scene, system, start, 0.0, span)
+    quiet = _Trial(setting_of(scene, system), start, 0.0, span)
     return replace(quiet, scale=_largest_energy_of_motion(quiet, WATCHED * fastest.step_limit))
 
 
@@ -209,9 +208,9 @@ def _largest_energy_of_motion(trial: _Trial, step: float) -> float:
     """Kinetic energy at its largest, J, by the most exact method with equal steps."""
     state, largest = trial.start, 0.0
     for _ in range(WATCH_LOOKS):
-        frame = frame_of(trial.scene, trial.system, state, 0)
-        largest = max(largest, frame.balance.kinetic + frame.balance.rotational)
-        state = move(state, step, WATCH_STEPS, "dop853_fixed", trial.system, "serial")
+        balance = frame_of(trial.setting, state, 0).balance
+        largest = max(largest, balance.kinetic + balance.rotational)
+        state = move(state, step, WATCH_STEPS, "dop853_fixed", trial.setting.system, "serial")
         if state.time > trial.span:
             break
     return largest
@@ -219,7 +218,7 @@ def _largest_energy_of_motion(trial: _Trial, step: float) -> float:
 
 def _energies(trial: _Trial, state: State) -> tuple[float, float]:
     """Energy of a state, and the work done on it since the start, J."""
-    balance = frame_of(trial.scene, trial.system, state, 0).balance
+    balance = frame_of(trial.setting, state, 0).balance
     return balance.kinetic + balance.rotational + balance.gravity + balance.elastic, balance.work
 
 
