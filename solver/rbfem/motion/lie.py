@@ -16,8 +16,9 @@ from rbfem.motion.model import (
     TRANSLATING,
     VELOCITY,
 )
-from rbfem.motion.rotation import exp, multiply, rotate, rotate_back
+from rbfem.motion.rotation import exp, multiply, rotate, rotate_back, rotation_change
 from rbfem.motion.runge_kutta import find_flow
+from rbfem.motion.sums import add, add_turn, normalize
 
 STAGES = 4
 
@@ -35,6 +36,9 @@ def step_on_group(state, ledger, t, dt, n_steps, bodies, loads, islands, gravity
                     find_group_rates(islands.member[i], stage, t + (s + share) * dt, bodies, loads, gravity, scratch)
             for i in range(first, last):
                 leave_group_step(islands.member[i], dt, state, ledger, bodies, scratch)
+        for i in range(first, last):
+            if bodies.model[islands.member[i]] != TRANSLATING:
+                normalize(islands.member[i], state, scratch.rest)
 
 
 def enter_group_stage(b, stage, shift, dt, state, bodies, scratch):
@@ -106,31 +110,37 @@ def find_group_rates(b, stage, t, bodies, loads, gravity, scratch):
 
 
 def leave_group_step(b, dt, state, ledger, bodies, scratch):
-    """The classical weights for what is added, two exponentials for the attitude."""
+    """The classical weights for what is added, two exponentials for the attitude.
+
+    L in world axes changes by an impulse alone; in body axes it changes by that impulse, turned there, and by what the
+    turn of the axes makes of the sum.
+    """
     for j in range(3):
-        state[b, POSITION + j] += dt * classical_mean(b, POSITION + j, scratch.rate)
-        state[b, VELOCITY + j] += dt * classical_mean(b, VELOCITY + j, scratch.rate)
+        add(b, POSITION + j, dt * classical_mean(b, POSITION + j, scratch.rate), state, scratch.rest)
+        add(b, VELOCITY + j, dt * classical_mean(b, VELOCITY + j, scratch.rate), state, scratch.rest)
     for j in range(LEDGER_WIDTH if bodies.is_pushed[b] else 0):
         ledger[b, j] += dt * classical_mean(b, j, scratch.flow)
     if bodies.model[b] == TRANSLATING:
         return
     q0, q1 = state[b, QUATERNION], state[b, QUATERNION + 1]
     q2, q3 = state[b, QUATERNION + 2], state[b, QUATERNION + 3]
-    lx, ly, lz = rotate(q0, q1, q2, q3, state[b, SPIN], state[b, SPIN + 1], state[b, SPIN + 2])
-    lx += dt * classical_mean(b, SPIN, scratch.rate)
-    ly += dt * classical_mean(b, SPIN + 1, scratch.rate)
-    lz += dt * classical_mean(b, SPIN + 2, scratch.rate)
+    ix = dt * classical_mean(b, SPIN, scratch.rate)
+    iy = dt * classical_mean(b, SPIN + 1, scratch.rate)
+    iz = dt * classical_mean(b, SPIN + 2, scratch.rate)
+    ix, iy, iz = rotate_back(q0, q1, q2, q3, ix, iy, iz)
+    t0, t1, t2, t3 = 1.0, 0.0, 0.0, 0.0
     for outer in range(2):
         near, far = (3.0, -1.0) if outer == 0 else (-1.0, 3.0)
         x = group_mean(b, 0, near, far, scratch.rate)
         y = group_mean(b, 1, near, far, scratch.rate)
         z = group_mean(b, 2, near, far, scratch.rate)
-        q0, q1, q2, q3 = turned(q0, q1, q2, q3, dt * x, dt * y, dt * z)
-    scale = 1.5 - 0.5 * (q0 * q0 + q1 * q1 + q2 * q2 + q3 * q3)
-    q0, q1, q2, q3 = scale * q0, scale * q1, scale * q2, scale * q3
-    set_attitude(b, q0, q1, q2, q3, state)
-    x, y, z = rotate_back(q0, q1, q2, q3, lx, ly, lz)
-    state[b, SPIN], state[b, SPIN + 1], state[b, SPIN + 2] = x, y, z
+        t0, t1, t2, t3 = turned(t0, t1, t2, t3, dt * x, dt * y, dt * z)
+    add_turn(b, t0, t1, t2, t3, state, scratch.rest)
+    x, y, z = state[b, SPIN] + ix, state[b, SPIN + 1] + iy, state[b, SPIN + 2] + iz
+    x, y, z = rotation_change(t0, -t1, -t2, -t3, x, y, z)
+    add(b, SPIN, ix + x, state, scratch.rest)
+    add(b, SPIN + 1, iy + y, state, scratch.rest)
+    add(b, SPIN + 2, iz + z, state, scratch.rest)
 
 
 def classical_mean(b, j, rate):

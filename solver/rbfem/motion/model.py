@@ -73,7 +73,8 @@ class Loads(NamedTuple):
 class Scratch(NamedTuple):
     """Working memory of a step: stage and weighted sum of rates (n, 13), wrench (n, 18) and angular velocity in world
     axes (n, 3) of each body; rates of every stage (n, stages, 13), those of its ledger (n, stages, 7) and their
-    weighted sum (n, 7); four vectors of six velocities of the solver of damped kicks (n, 4, 6)."""
+    weighted sum (n, 7); four vectors of six velocities of the solver of damped kicks (n, 4, 6); what the sums of
+    the state have rounded off so far (n, 13), see `rbfem.motion.sums`."""
 
     stage: NDArray[np.float64]
     total: NDArray[np.float64]
@@ -83,9 +84,11 @@ class Scratch(NamedTuple):
     flow: NDArray[np.float64]
     flow_total: NDArray[np.float64]
     solver: NDArray[np.float64]
+    rest: NDArray[np.float64]
 
 
 def scratch_for(n_bodies: int, n_stages: int) -> Scratch:
     """Working memory for that many bodies and stages."""
     shapes = (STATE_WIDTH,), (STATE_WIDTH,), (WRENCH_WIDTH,), (3,), (n_stages, STATE_WIDTH), (n_stages, LEDGER_WIDTH)
-    return Scratch(*[np.zeros((n_bodies, *shape)) for shape in (*shapes, (LEDGER_WIDTH,), (4, 6))])
+    more = (LEDGER_WIDTH,), (4, 6), (STATE_WIDTH,)
+    return Scratch(*[np.zeros((n_bodies, *shape)) for shape in (*shapes, *more)])

@@ -1,7 +1,5 @@
 """Runge-Kutta on the stacked state: any number of bodies, any number of steps, any explicit tableau, in one call."""
 
-import math
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -30,6 +28,7 @@ from rbfem.motion.model import (
     WORK,
 )
 from rbfem.motion.rotation import cross, rotate_back
+from rbfem.motion.sums import add, normalize
 
 Array = NDArray[np.float64]
 
@@ -161,16 +160,11 @@ def leave_step(b, dt, state, ledger, flags, bodies, scratch):
     if flags[IS_SYMPLECTIC_EULER]:
         move_with_new_velocity(b, dt, state, bodies, scratch)
     for j in range(STATE_WIDTH):
-        state[b, j] += dt * scratch.total[b, j]
+        add(b, j, dt * scratch.total[b, j], state, scratch.rest)
     for j in range(LEDGER_WIDTH):
         ledger[b, j] += dt * scratch.flow_total[b, j]
     if flags[NORMALIZES] and bodies.model[b] != TRANSLATING:
-        square = 0.0
-        for j in range(QUATERNION, QUATERNION + 4):
-            square += state[b, j] * state[b, j]
-        scale = 1.0 / math.sqrt(square)
-        for j in range(QUATERNION, QUATERNION + 4):
-            state[b, j] *= scale
+        normalize(b, state, scratch.rest)
 
 
 def move_with_new_velocity(b, dt, state, bodies, scratch):

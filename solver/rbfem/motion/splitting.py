@@ -8,7 +8,7 @@ Source: McLachlan, Quispel, Splitting methods, Acta Numerica 11:341, 2002.
 
 from rbfem.compute.loops import parallel_range
 from rbfem.motion.euler_equations import angular_momentum_rate_body
-from rbfem.motion.free_flight import CONSTANT_RATE, EXACT_ROTOR, fly, translate, turn
+from rbfem.motion.free_flight import CONSTANT_RATE, EXACT_ROTOR, fly, fly_on
 from rbfem.motion.loads import add_damping, find_omega, find_wrench, to_world
 from rbfem.motion.model import (
     ANGULAR_IMPULSE,
@@ -24,6 +24,7 @@ from rbfem.motion.model import (
     WORK,
 )
 from rbfem.motion.rotation import cross, rotate_back
+from rbfem.motion.sums import add, normalize
 
 # Rows of the solver's memory: change of velocity, residual, direction, and what the matrix makes of the direction.
 CHANGE, RESIDUAL, DIRECTION, IMAGE = 0, 1, 2, 3
@@ -77,17 +78,17 @@ def step_by_splitting(
                     )  # fmt: skip
                 else:
                     for i in range(first, last):
-                        drift(islands.member[i], share * dt, rotor, state, ledger, bodies, gravity)
+                        drift(islands.member[i], share * dt, rotor, state, ledger, bodies, gravity, scratch)
+        for i in range(first, last):
+            if bodies.model[islands.member[i]] != TRANSLATING:
+                normalize(islands.member[i], state, scratch.rest)
 
 
-def drift(b, duration, rotor, state, ledger, bodies, gravity):
+def drift(b, duration, rotor, state, ledger, bodies, gravity, scratch):
     """Free flight, and what the weight brings into the ledger of a body that has one."""
-    if bodies.inverse_mass[b] > 0.0:
-        if bodies.is_pushed[b]:
-            weigh(b, duration, state, ledger, bodies, gravity)
-        translate(b, duration, state, bodies, gravity)
-    if bodies.model[b] != TRANSLATING:
-        turn(b, duration, rotor, state, bodies)
+    if bodies.inverse_mass[b] > 0.0 and bodies.is_pushed[b]:
+        weigh(b, duration, state, ledger, bodies, gravity)
+    fly_on(b, duration, rotor, state, scratch.rest, bodies, gravity)
 
 
 def weigh(b, duration, state, ledger, bodies, gravity):
@@ -128,7 +129,7 @@ def receive(b, duration, rotor, state, ledger, bodies, scratch):
     if bodies.inverse_mass[b] > 0.0:
         share = duration * bodies.inverse_mass[b]
         for j in range(3):
-            state[b, VELOCITY + j] += share * scratch.wrench[b, j]
+            add(b, VELOCITY + j, share * scratch.wrench[b, j], state, scratch.rest)
     if bodies.model[b] != TRANSLATING:
         torque_kick(b, duration, rotor, state, bodies, scratch)
     find_omega(b, bodies, state, scratch.omega)
@@ -159,14 +160,16 @@ def torque_kick(b, duration, rotor, state, bodies, scratch):
     q0, q1 = state[b, QUATERNION], state[b, QUATERNION + 1]
     q2, q3 = state[b, QUATERNION + 2], state[b, QUATERNION + 3]
     tx, ty, tz = rotate_back(q0, q1, q2, q3, scratch.wrench[b, 3], scratch.wrench[b, 4], scratch.wrench[b, 5])
-    x, y, z = state[b, SPIN], state[b, SPIN + 1], state[b, SPIN + 2]
     if rotor == CONSTANT_RATE:
+        x, y, z = state[b, SPIN], state[b, SPIN + 1], state[b, SPIN + 2]
         r1, r2, r3 = bodies.inverse_moments[b, 0], bodies.inverse_moments[b, 1], bodies.inverse_moments[b, 2]
         for _ in range(2):
             x, y, z = strongly_stable_step(x, y, z, tx, ty, tz, r1, r2, r3, 0.5 * duration)
+        state[b, SPIN], state[b, SPIN + 1], state[b, SPIN + 2] = x, y, z
     else:
-        x, y, z = x + duration * tx, y + duration * ty, z + duration * tz
-    state[b, SPIN], state[b, SPIN + 1], state[b, SPIN + 2] = x, y, z
+        add(b, SPIN, duration * tx, state, scratch.rest)
+        add(b, SPIN + 1, duration * ty, state, scratch.rest)
+        add(b, SPIN + 2, duration * tz, state, scratch.rest)
 
 
 def strongly_stable_step(x, y, z, tx, ty, tz, r1, r2, r3, dt):

@@ -54,6 +54,7 @@ class State:
     angular_momentum : (n, 3) kg m^2/s about the reference points, in principal axes
     ledger           : (n, 7) work, impulse and angular impulse since the start, see `rbfem.motion.model`
     evaluations      : of the loads of one body, since the start
+    rest             : (n, 13) what the sums of pushed bodies have rounded off, in the columns of a stacked row, or None
     """
 
     time: float
@@ -63,6 +64,7 @@ class State:
     angular_momentum: Array
     ledger: Array
     evaluations: int = 0
+    rest: Array | None = None
 
 
 def initial_state(position: Array, attitude: Array, velocity: Array, angular_momentum: Array) -> State:
@@ -96,7 +98,8 @@ def move(state: State, dt: float, n_steps: int, method: str, system: System, bac
     else:
         loop(step_on_group, backend)(stacked, ledger, state.time, dt, n_steps, *common)
     evaluations = state.evaluations + _evaluations(row, n_steps)
-    return State(state.time + n_steps * dt, *_unstack(stacked, row, system), ledger, evaluations)
+    end = state.time + n_steps * dt
+    return State(end, *_unstack(stacked, row, system), ledger, evaluations, _kept(scratch, row))
 
 
 def move_to_tolerance(
@@ -125,7 +128,8 @@ def move_to_tolerance(
     )  # fmt: skip
     stacked[_members(system.islands, evaluations < 0)] = np.nan
     most = int(evaluations.max(initial=0))
-    return State(state.time + span, *_unstack(stacked, row, system), ledger, state.evaluations + most)
+    end, counted = state.time + span, state.evaluations + most
+    return State(end, *_unstack(stacked, row, system), ledger, counted, _kept(scratch, row))
 
 
 def kernel_of(method: str) -> Callable:
@@ -145,7 +149,14 @@ def _working_memory(state: State, row: Method, system: System) -> tuple[Array, A
         return stacked, state.ledger, _NO_SCRATCH
     scratch = scratch_for(len(stacked), row.evaluations)
     scratch.stage[:] = stacked
+    if state.rest is not None:
+        scratch.rest[:] = state.rest
     return stacked, state.ledger.copy(), scratch
+
+
+def _kept(scratch: Scratch, row: Method) -> Array | None:
+    """The rests for the next call; those of ω in world axes are none of the angular momentum that a state has."""
+    return None if _is_world(row) or not len(scratch.rest) else scratch.rest
 
 
 @functools.cache
