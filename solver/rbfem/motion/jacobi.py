@@ -15,7 +15,8 @@ def elliptic(t, p, r):
     """sn(u, k)/√p, cn(u, k), dn(u, k) with u = √p t and k² = r/p, for |u| < K(k): not beyond a quarter period.
 
     A power series of sn at t halved often enough, then sn of the double argument as often (Abramowitz and Stegun
-    16.18); cn and dn come from sn at the end, so that each doubling adds to the error of one number only.
+    16.18), where √((1 - x)(1 - y))/(1 - xy) - 1 = (3xy - x²y² - x - y)/(...): what is carried along is how much of
+    sn(u)/u = 1 + part is missing to 1, a small number whose rounding does not show. cn and dn come from sn at the end.
 
     >>> elliptic(0.25, 0.0, 0.0)
     (0.25, 1.0, 1.0)
@@ -27,19 +28,24 @@ def elliptic(t, p, r):
     while p * t * t > SERIES_REACH:
         t *= 0.5
         n_halvings += 1
-    s = t * sine_series((p + r) * t * t, p * r * (t * t) * (t * t))
+    part = sine_series((p + r) * t * t, p * r * (t * t) * (t * t))
+    s = t + t * part
     for _ in range(n_halvings):
         x, y = p * s * s, r * s * s
-        s = 2.0 * s * math.sqrt((1.0 - x) * (1.0 - y)) / (1.0 - x * y)
+        xy = x * y
+        gain = (xy * (3.0 - xy) - (x + y)) / ((1.0 - xy) * (1.0 - xy + math.sqrt((1.0 - x) * (1.0 - y))))
+        part += gain + gain * part
+        t *= 2.0
+        s = t + t * part
     return s, math.sqrt(1.0 - p * s * s), math.sqrt(1.0 - r * s * s)
 
 
 def sine_series(x, y):
-    """sn(u, k)/u to u¹⁴, from x = (1 + k²) u² and y = k² u⁴.
+    """sn(u, k)/u - 1 to u¹⁴, from x = (1 + k²) u² and y = k² u⁴.
 
     Source: Abramowitz and Stegun 16.22.1, carried on to u¹⁵ by the recurrence of sn'' = -(1 + k²) sn + 2 k² sn³.
 
-    >>> sine_series(0.01, 0.0) == math.sin(0.1) / 0.1
+    >>> abs(0.1 + 0.1 * sine_series(0.01, 0.0) - math.sin(0.1)) < 2e-17
     True
     """
     x2, y2 = x * x, y * y
@@ -48,7 +54,7 @@ def sine_series(x, y):
     fifth = x * (x2 * (x2 + 11064.0 * y) + 132624.0 * y2) / 39916800.0
     sixth = (x2 * (x2 * (x2 + 99636.0 * y) + 4095792.0 * y2) + 4390848.0 * y2 * y) / 6227020800.0
     seventh = x * (x2 * (x2 * (x2 + 896796.0 * y) + 111810672.0 * y2) + 490287168.0 * y2 * y) / 1307674368000.0
-    return 1.0 + (sixth - seventh + (fourth - fifth) + ((x2 + 12.0 * y) / 120.0 - third) - x / 6.0)
+    return sixth - seventh + (fourth - fifth) + ((x2 + 12.0 * y) / 120.0 - third) - x / 6.0
 
 
 def complete_integrals(a, b, n, cosine, sine):

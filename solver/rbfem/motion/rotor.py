@@ -21,7 +21,8 @@ NODE_2, WEIGHT_2 = 0.52553240991632898582, 0.31370664587788728734
 NODE_3, WEIGHT_3 = 0.79666647741362673959, 0.22238103445337447054
 NODE_4, WEIGHT_4 = 0.96028985649753623168, 0.10122853629037625915
 
-PANEL = 0.85  # in u: eight nodes then miss the integral by less than 1e-15 of it, at any modulus
+PANEL = 0.75  # in u: eight nodes then miss the integral by less than 3e-16 rad in a turn, at any modulus
+FAR = 4.0 * PANEL  # in u: up to here the panels cost as much as half periods that are skipped, and they round less
 SETTLED = 750.0  # in u: exp(-750) is below every float, so that a motion on the separatrix has come to its end
 NEAR_POLE = 1e-3  # of a²: far above what the sum of two floats in `square_in_parts` resolves, 1e-22
 FARTHEST = 1e15  # rad: a phase of so many radians is not known to a tenth of one
@@ -186,16 +187,21 @@ def turn_about_pole(a, b, c, ra, rb, rc, length, duration):
 
     P, which takes L to the first axis by the shortest way, is a frame that turns about L by the angle ψ of `advance`;
     the turn is P̄ (cos ψ/2, sin ψ/2, 0, 0) P₁ with P ~ (|L| + a, 0, c, -b) of the old momentum and P₁ of the new one.
+    Most of ψ is |L| ra t or |L| rc t, whichever leaves less of it, which is known to more digits than a float has; only
+    the rest is an integral with the rounding of a float.
     """
     alpha, beta, gamma = rc - rb, ra - rc, rb - ra
     p, r = squared_rates(a, b, c, alpha, beta, gamma)
-    side, psi, rest = 1.0, 0.0, duration
-    if p * duration * duration > PANEL * PANEL:
-        side, psi, rest = skip_half_periods(a, b, c, ra, rb, rc, p, length, duration)
-    more, a1, b1, c1, ea, eb, ec = advance(a, side * b, side * c, alpha, beta, gamma, p, r, length, rest)
-    psi += more + rest * length * min(ra, rb)
+    reference, drive, slope = ra, gamma * b * b - beta * c * c, 0.0
+    if 2.0 * abs(drive) > abs(beta) * length * (length + a):
+        reference, drive, slope = rc, beta * a * a - alpha * b * b, beta * length
+    side, skipped, rest = 1.0, 0.0, duration
+    if p * duration * duration > FAR * FAR:
+        side, skipped, rest = skip_half_periods(a, b, c, alpha, beta, gamma, p, length, drive, slope, duration)
+    more, a1, b1, c1, ea, eb, ec = advance(a, side * b, side * c, alpha, beta, gamma, p, r, length, drive, slope, rest)
+    high, low = angle_in_parts(a, b, c, length, reference, duration)
+    cosine, sine = half_angle(high, low + (skipped + more))
     a1, b1, c1 = with_invariants(a1, b1, c1, ea, eb, ec, a, b, c, alpha, beta, gamma, length)
-    cosine, sine = math.cos(0.5 * psi), math.sin(0.5 * psi)
     w, w1 = length + a, length + a1
     t0, ta, tb, tc = multiply(w, 0.0, -c, b, cosine * w1, sine * w1, cosine * c1 + sine * b1, sine * c1 - cosine * b1)
     scale = 0.5 / (length * math.sqrt(w * w1))
@@ -226,45 +232,89 @@ def with_invariants(a, b, c, ea, eb, ec, a0, b0, c0, alpha, beta, gamma, length)
     )
 
 
-def skip_half_periods(a, b, c, ra, rb, rc, p, length, duration):
+def angle_in_parts(a, b, c, length, rate, duration):
+    """|L| rate duration as a sum of two floats: to 1e-22 of it, |L| anew from a, b, c beyond the digits of `length`.
+
+    >>> angle_in_parts(3.0, 4.0, 0.0, 5.0, 0.5, 2.0)
+    (5.0, 0.0)
+    """
+    high, low = square_in_parts(a, b, c, length)
+    cut = upper_half(length)
+    rest = length - cut
+    missing = 0.5 * (((high - cut * cut) - 2.0 * cut * rest) + (low - rest * rest)) / length
+    high, low = product_in_parts(length, missing, rate)
+    product = high + low
+    return product_in_parts(product, (high - product) + low, duration)
+
+
+def product_in_parts(x, more, y):
+    """(x + more) y as a sum of two floats, where `more` is small beside x: exact to 1e-31 but for the part of `more`.
+
+    The first is a product of numbers of 26 digits, so that nothing is rounded there, fused or not.
+
+    >>> product_in_parts(1.0 + 2.0**-50, 0.0, 1.0 - 2.0**-50)
+    (1.0, -7.888609052210118e-31)
+    """
+    high, high_y = upper_half(x), upper_half(y)
+    return high * high_y, high * (y - high_y) + ((x - high) + more) * y
+
+
+def upper_half(x):
+    """x cut to the upper 26 of its 53 digits.
+
+    >>> upper_half(1.0 + 2.0**-20 + 2.0**-40) == 1.0 + 2.0**-20
+    True
+    """
+    big = 2.0**27 * x
+    return (x + big) - big
+
+
+def half_angle(high, low):
+    """cos and sin of half of high + low, where their sum is known to more digits than a float has.
+
+    >>> half_angle(math.pi, 0.0)
+    (6.123233995736766e-17, 1.0)
+    """
+    half, rest = 0.5 * (high + low), 0.5 * rounded_off(high, low)
+    cosine, sine = math.cos(half), math.sin(half)
+    return cosine - rest * sine, sine + rest * cosine
+
+
+def skip_half_periods(a, b, c, alpha, beta, gamma, p, length, drive, slope, duration):
     """Whole half periods of L at once: the sign that b and c take, ψ over them, and how much of the duration is left.
 
-    Over half a period T = 2 K/√p the angle ψ grows by an integral that is brought here, by the exchange of n and k²/n
-    in Legendre's third kind (Byrd and Friedman, Handbook of Elliptic Integrals, 117.02), to a form of positive terms:
-    |L| T min(ra, rb) + 2 |L γ|/√p ∫₀^K f du with f = m sn²/(1 + m sn²) where the pole is the axis of the smaller rate
-    and f = 1/(1 + m sn²) where it is that of the larger; |L|²/(1 + m) = a² - (α/γ) c².
+    Over half a period T = 2 K/√p the integral of (D + e a)/(|L| + a), see `advance`, is brought here, by the exchange
+    of n and k²/n in Legendre's third kind (Byrd and Friedman, Handbook of Elliptic Integrals, 117.02), to a form of
+    terms of one sign: 2/√p ∫₀^K f du with f = (e cn² + |L| D/share sn²)/(cn² + L²/share sn²), share = a² - (α/γ) c².
     """
-    alpha, beta, gamma = rc - rb, ra - rc, rb - ra
     difference = gamma * (alpha * b * b - beta * a * a)
     if difference <= 0.0:
-        return on_the_separatrix(a, rc, math.sqrt(p), length, duration)
+        return on_the_separatrix(a, math.sqrt(p), duration)
     share = a * a - alpha / gamma * c * c
-    m = (b * b - beta / gamma * c * c) / share
-    cosine, sine = (0.0, m) if gamma > 0.0 else (1.0, 1.0)
-    quarter, integral = complete_integrals(math.sqrt(p), math.sqrt(difference), 1.0 + m, cosine, sine)
+    quarter, integral = complete_integrals(
+        math.sqrt(p), math.sqrt(difference), length * length / share, slope, length * drive / share
+    )
     half_period = 2.0 * quarter
     n = math.floor(duration / half_period + 0.5)
     side = 1.0 if n % 2 == 0 else -1.0
-    psi = 2.0 * length * (quarter * min(ra, rb) + abs(gamma) * integral)
-    return side, n * psi, duration - n * half_period
+    return side, n * (2.0 * integral), duration - n * half_period
 
 
-def on_the_separatrix(a, rc, rate, length, duration):
-    """As `skip_half_periods`, for a motion that takes forever: all but a finite time it turns about the middle axis."""
-    reach = SETTLED / rate if a > 0.0 else 0.0
-    rest = max(-reach, min(reach, duration))
-    return 1.0, (duration - rest) * length * rc, rest
+def on_the_separatrix(a, rate, duration):
+    """As `skip_half_periods`, for a motion that takes forever: all but a finite time it turns about the middle axis.
 
-
-def advance(a, b, c, alpha, beta, gamma, p, r, length, duration):
-    """ψ - |L| min(ra, rb) duration and the new a, b, c, in as many panels as are needed for eight nodes each.
-
-    dψ/dt = |L| min(ra, rb) + (D + e a)/(|L| + a) with D and e >= 0: D = γ b² - β c² and e = 0 where the first axis has
-    the smaller of the rates ra and rb, D = α c² - γ a² and e = -|L| γ where it has the larger. D is constant in time.
+    There ψ grows by |L| rc t, and that is the part of it which `turn_about_pole` knows without an integral.
     """
-    drive, slope = gamma * b * b - beta * c * c, 0.0
-    if gamma < 0.0:
-        drive, slope = alpha * c * c - gamma * a * a, -length * gamma
+    reach = SETTLED / rate if a > 0.0 else 0.0
+    return 1.0, 0.0, max(-reach, min(reach, duration))
+
+
+def advance(a, b, c, alpha, beta, gamma, p, r, length, drive, slope, duration):
+    """The rest of ψ and the new a, b, c with their roundings, in as many panels as are needed for eight nodes each.
+
+    dψ/dt = |L| ra + D/(|L| + a) with D = γ b² - β c², or |L| rc + (D + e a)/(|L| + a) with D = β a² - α b² and
+    e = β |L|, of one sign; D does not change in time. drive : D    slope : e
+    """
     n_panels = max(1, math.ceil(math.sqrt(p) * abs(duration) / PANEL))
     half = 0.5 * duration / n_panels
     s, cn, dn = elliptic(half, p, r)
@@ -272,32 +322,33 @@ def advance(a, b, c, alpha, beta, gamma, p, r, length, duration):
     s2, cn2, dn2 = elliptic(NODE_2 * half, p, r)
     s3, cn3, dn3 = elliptic(NODE_3 * half, p, r)
     s4, cn4, dn4 = elliptic(NODE_4 * half, p, r)
+    x, y = p * s * s / (1.0 + cn), r * s * s / (1.0 + dn)
     total, ea, eb, ec = 0.0, 0.0, 0.0, 0.0
     for _ in range(n_panels):
-        a, b, c, _, _, _ = moved(a, b, c, alpha, beta, gamma, s, cn, dn)
+        a, b, c, _, _, _ = moved(a, b, c, alpha, beta, gamma, s, cn, dn, x, y)
         product, square = alpha * b * c, -beta * gamma * a * a
         total += WEIGHT_4 * pair_of_rates(a, product, square, drive, slope, length, s4, cn4, dn4)
         total += WEIGHT_1 * pair_of_rates(a, product, square, drive, slope, length, s1, cn1, dn1)
         total += WEIGHT_3 * pair_of_rates(a, product, square, drive, slope, length, s3, cn3, dn3)
         total += WEIGHT_2 * pair_of_rates(a, product, square, drive, slope, length, s2, cn2, dn2)
-        a, b, c, ea, eb, ec = moved(a, b, c, alpha, beta, gamma, s, cn, dn)
+        a, b, c, ea, eb, ec = moved(a, b, c, alpha, beta, gamma, s, cn, dn, x, y)
     return half * total, a, b, c, ea, eb, ec
 
 
-def moved(a, b, c, alpha, beta, gamma, s, cn, dn):
+def moved(a, b, c, alpha, beta, gamma, s, cn, dn, x, y):
     """The momentum after the time that s, cn, dn belong to, see `elliptic`, and what its last additions rounded off.
 
-    Abramowitz and Stegun 16.17, with the amplitudes of the functions multiplied out; the denominator
-    1 - k² sn² sn² = cn² - βγ a² s² as a sum of positive terms.
+    x = 1 - cn, y = 1 - dn. Abramowitz and Stegun 16.17, with the amplitudes of the functions multiplied out, as what
+    is added to the old momentum; the denominator 1 - k² sn² sn² = cn² - βγ a² s² is a sum of positive terms.
 
-    >>> moved(0.6, 0.0, 0.8, 0.0, -1.0, 1.0, 0.0, 1.0, 1.0)
+    >>> moved(0.6, 0.0, 0.8, 0.0, -1.0, 1.0, 0.0, 1.0, 1.0, 0.0, 0.0)
     (0.6, 0.0, 0.8, 0.0, 0.0, 0.0)
     """
-    scale = 1.0 / (cn * cn - beta * gamma * (a * s) * (a * s))
-    s, cn_scaled, dn_scaled = s * scale, cn * scale, dn * scale
-    da = (dn_scaled - 1.0) * a + alpha * s * cn * (b * c)
-    db = (cn_scaled - 1.0) * b + beta * s * dn * (c * a)
-    dc = (cn_scaled * dn - 1.0) * c + gamma * s * (a * b)
+    z = -beta * gamma * (a * s) * (a * s)
+    scale = 1.0 / (cn * cn + z)
+    da = scale * ((x * cn + (x - y) - z) * a + alpha * s * cn * (b * c))
+    db = scale * ((x * cn - z) * b + beta * s * dn * (c * a))
+    dc = scale * (((x - y) * cn - z) * c + gamma * s * (a * b))
     return a + da, b + db, c + dc, rounded_off(a, da), rounded_off(b, db), rounded_off(c, dc)
 
 
@@ -313,7 +364,7 @@ def rounded_off(x, y):
 
 
 def pair_of_rates(a, product, square, drive, slope, length, s, cn, dn):
-    """The sum of (D + e a)/(|L| + a) at a time before a given one and as much after it.
+    """The sum of 1/(|L| + a) at a time before a given one and as much after it.
 
     There a is (P ± Q)/δ by the addition theorem of `moved`. With product = α b c and square = -βγ a².
 
