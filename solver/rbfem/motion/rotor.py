@@ -364,7 +364,7 @@ def rounded_off(x, y):
 
 
 def pair_of_rates(a, product, square, drive, slope, length, s, cn, dn):
-    """The sum of 1/(|L| + a) at a time before a given one and as much after it.
+    """The sum of (D + e a)/(|L| + a) at a time before a given one and as much after it.
 
     There a is (P ± Q)/δ by the addition theorem of `moved`. With product = α b c and square = -βγ a².
 
