@@ -56,6 +56,10 @@ class Progress:
             share = 100.0 * frame.time / self._scene.end_time
             click.echo(f"  t = {frame.time:.6g} s of {self._scene.end_time:.6g} s ({share:.0f} %)", err=True)
 
+    def tell(self, words: str) -> None:
+        """Say what happens between frames."""
+        click.echo(f"  {words}", err=True)
+
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None):
         if self._is_terminal:
             self._bar.stop()

@@ -36,7 +36,7 @@ def command(
     for line in plan_lines(made):
         click.echo(line)
     with Progress(scene, made) as progress:
-        report = record(scene, made, directory, clock, progress.show)
+        report = record(scene, made, directory, clock, progress.show, progress.tell)
     for line in report_lines(report, directory):
         click.echo(line)
     missed = [expect for expect in report["expect"] if not expect["pass"]]

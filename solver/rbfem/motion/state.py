@@ -3,6 +3,7 @@
 import functools
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -90,13 +91,19 @@ def move(state: State, dt: float, n_steps: int, method: str, system: System, bac
     scheme = row.scheme
     if isinstance(scheme, Splitting):
         parts, times = _shares(scheme)
-        kernel = loop(step_by_splitting, backend)
-        kernel(stacked, ledger, state.time, dt, n_steps, parts, times, scheme.begins_with_kick, scheme.rotor, *common)
+        kernel: Callable = step_by_splitting
+        given: tuple[Any, ...] = (parts, times, scheme.begins_with_kick, scheme.rotor)
     elif isinstance(scheme, RungeKutta):
-        kernel = loop(step_by_runge_kutta, backend)
-        kernel(stacked, ledger, state.time, dt, n_steps, *_coefficients(scheme), *common)
+        kernel, given = step_by_runge_kutta, _coefficients(scheme)
     else:
-        loop(step_on_group, backend)(stacked, ledger, state.time, dt, n_steps, *common)
+        kernel, given = step_on_group, ()
+    try:
+        loop(kernel, backend)(stacked, ledger, state.time, dt, n_steps, *given, *common)
+    except (
+        ArithmeticError,
+        ValueError,
+    ):  # what has blown up stops plain Python; a kernel goes on with inf and nan
+        stacked[:] = np.nan
     evaluations = state.evaluations + _evaluations(row, n_steps)
     end = state.time + n_steps * dt
     return State(end, *_unstack(stacked, row, system), ledger, evaluations, _kept(scratch, row))

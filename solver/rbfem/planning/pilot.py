@@ -22,6 +22,8 @@ MARGIN = 5.0  # how much smaller than accepted the pilot wants the error: a run 
 TRUSTED = 0.6  # share of the order in the table that must be seen before an error is foretold by it
 NOISE = 1e-12  # a difference smaller than this is rounding
 MOST_ISLANDS = 50  # that are tried
+MOST_SPENT = {"python": 3e4, "serial": 1e7, "parallel": 1e7}  # evaluations of a body that a pilot may take: seconds
+TURNED = 2.0  # rad, of the fastest turn or swing in the coarsest step
 REACH = 3.0  # how many times finer than the last level the run may be
 
 
@@ -139,7 +141,8 @@ def _measure(stretch: Stretch, method: str, least_cost: float) -> Finding:
     """Halve the step, from the coarsest that is stable, until the order is that of the table and the error asked for
     within reach; give up where another method is known to cost less."""
     finding, order = Finding(method), order_of(method, stretch.system)
-    steps = stretch.shared_out(_least_steps(stretch, method))
+    least = _least_steps(stretch, method)
+    steps = stretch.shared_out(least)
     coarse, apart = _run(stretch, method, steps, finding), math.inf
     for _ in range(LEVELS):
         steps = 2 * steps
@@ -147,13 +150,15 @@ def _measure(stretch: Stretch, method: str, least_cost: float) -> Finding:
         fine = _run(stretch, method, steps, finding)
         before, apart = apart, difference(coarse, fine, stretch.radius)
         coarse = fine
+        if finding.spent > MOST_SPENT[stretch.backend]:
+            break
         if not apart < math.inf:
             continue
         seen = _order_seen(before, apart, order)
         finding.order = min(order, max(1.0, seen))
         error = apart / (2.0**finding.order - 1.0)
         wanted = n * max(error / stretch.allowed, 1e-30) ** (1.0 / finding.order)
-        finding.step = stretch.pilot_end / max(wanted, 0.5 * n if seen < order else 1.0)
+        finding.step = stretch.pilot_end / max(wanted, 0.5 * n if seen < order else least)
         finding.cost = METHODS[method].evaluations * stretch.steps(finding.step)
         if before < math.inf and (error <= stretch.allowed or (seen >= TRUSTED * order and wanted <= REACH * n)):
             break
@@ -188,10 +193,10 @@ def _order_seen(before: float, apart: float, order: float) -> float:
 
 
 def _least_steps(stretch: Stretch, method: str) -> int:
-    """Steps of the pilot at the longest step that is stable; of two radians where a method is stable at no step."""
-    row = METHODS[method]
-    fastest = stretch.swing if row.turns_exactly else stretch.rate
-    return max(1, math.ceil(stretch.pilot_end * fastest / (row.oscillation_limit or 2.0)))
+    """Steps of the pilot at the longest step that is stable, and of less than half a turn of anything: a load
+    that turns with a body looks constant to steps of whole turns."""
+    swings = stretch.pilot_end * stretch.swing / (METHODS[method].oscillation_limit or 2.0)
+    return max(1, math.ceil(max(swings, stretch.pilot_end * stretch.rate / TURNED)))
 
 
 def order_of(method: str, system: System) -> float:
@@ -229,7 +234,7 @@ def difference(a: State, b: State, radius: Array) -> float:
     what is no number."""
     apart = np.linalg.norm(a.position - b.position, axis=1) / radius
     turned = quaternion.angle_between(quaternion.normalize(a.quaternion), quaternion.normalize(b.quaternion))
-    largest = float(max(apart.max(), turned.max()))
+    largest = float(np.max([apart.max(), turned.max()]))  # which is no number if either is none; max() may not be
     return largest if math.isfinite(largest) else math.inf
 
 

@@ -28,6 +28,7 @@ CANDIDATES = {"coarse": ("aba864", "rkn4", "kdk"), "fine": ("rkn6", "dop853_fixe
 WEAKLY_TURNED_CANDIDATES = {"coarse": ("aba864", "rkn4", "kdk"), "fine": ("rkn6", "aba864", "dop853_fixed")}
 DAMPED_CANDIDATES = {"coarse": ("dop853_fixed", "rk4"), "fine": ("dop853_fixed",)}
 STEP_GIVEN, DAMPED_STEP_GIVEN = "rkn4", "dop853_fixed"
+OVERDAMPED, STIFF_DECAY = 10.0, 1e4  # times the swing; and decay times the duration of the run
 
 # Seconds of an evaluation, a free flight and a start, for choosing the backend (docs/motion.md has the measurement).
 PYTHON_EVALUATION, PYTHON_STEP, PYTHON_FLIGHT = 100e-6, 10e-6, 60e-6
@@ -180,13 +181,20 @@ def _by_accuracy(scene: Scene, models: NDArray[np.int64], system, fastest: Frequ
 
 def _candidates(scene: Scene, fastest: Frequencies) -> tuple[str, ...]:
     kind = "coarse" if scene.accuracy > COARSE_ACCURACY else "fine"
+    if _is_overdamped(scene, fastest):
+        return ("kdk",)  # its dampers are implicit: stable at any step
     if is_damped(scene):
         return DAMPED_CANDIDATES[kind]
     return (WEAKLY_TURNED_CANDIDATES if is_weakly_turned(fastest) else CANDIDATES)[kind]
 
 
+def _is_overdamped(scene: Scene, fastest: Frequencies) -> bool:
+    """Whether explicit steps would have to follow a decay that is over in a moment."""
+    return fastest.decay > OVERDAMPED * fastest.oscillation and fastest.decay * scene.end_time > STIFF_DECAY
+
+
 def _pilot(scene: Scene, models: NDArray[np.int64], system, fastest: Frequencies, names: tuple[str, ...]) -> Settled:
-    swing = max(fastest.oscillation, fastest.decay)
+    swing = fastest.oscillation if _is_overdamped(scene, fastest) else max(fastest.oscillation, fastest.decay)
     spin = float(np.linalg.norm(scene.angular_velocity, axis=1).max(initial=0.0))
     rate = max(swing, spin, 1.0 / scene.end_time)
     system, start, radius = sample(system, starting_state(scene), scene.bounding_radius)

@@ -57,6 +57,25 @@ def stops(scene: Scene) -> list[Stop]:
     return sorted([*at_outputs, *(Stop(time, False) for time in new.tolist())], key=lambda stop: stop.time)
 
 
+def with_looks(stops: list[Stop], step: float | None, least: int, between: int) -> list[Stop]:
+    """Few stops far apart with looks in between, `least` in all, where at least `between` steps lie between two.
+
+    >>> [stop.time for stop in with_looks([Stop(1.0, True)], 0.01, 4, 20)]
+    [0.25, 0.5, 0.75, 1.0]
+    >>> with_looks([Stop(1.0, True)], 0.1, 4, 20)
+    [Stop(time=1.0, is_output=True)]
+    """
+    if step is None or len(stops) >= least:
+        return stops
+    every, begin = [], 0.0
+    for stop in stops:
+        parts = min(-(-least // len(stops)), steps_between(begin, stop.time, step) // between)
+        every += [Stop(begin + i / parts * (stop.time - begin), False) for i in range(1, parts)]
+        every.append(stop)
+        begin = stop.time
+    return every
+
+
 def steps_between(start: float, end: float, step: float | None) -> int:
     """Equal steps, no longer than `step`, that fill a span: two at least, so that a companion run can take fewer; one
     for a method that needs no steps.

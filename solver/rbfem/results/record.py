@@ -13,19 +13,28 @@ from rbfem.simulation.frame import Frame
 from rbfem.simulation.run import Run, simulate
 
 
-def record(scene: Scene, plan: Plan, directory: Path, clock: Clock, show: Callable[[Frame], None]) -> dict[str, Any]:
+def record(
+    scene: Scene,
+    plan: Plan,
+    directory: Path,
+    clock: Clock,
+    show: Callable[[Frame], None],
+    tell: Callable[[str], None] = lambda words: None,
+) -> dict[str, Any]:
     """Run a scene and write the series and report.json to a directory; returns the report.
 
-    show : called with every frame once it is written
+    show : called with every frame once it is written     tell : called with what happens in between, in words
     Raises InputError before the run if the directory cannot be written to; RunError if the run fails or the disk is
     full. Then, and when interrupted, the series up to there is readable and the report says where the run ended.
     """
     run = simulate(scene, plan)
+    run.tell = tell
     with SeriesWriter(scene, directory) as series:
         try:
             _write_frames(run, series, clock, show)
         except (KeyboardInterrupt, RunError) as ended:
-            run.warnings.append(f"the run ended before its time: {str(ended) or 'interrupted'}")
+            run.ended_early = f"the run ended before its time: {str(ended) or 'interrupted'}"
+            run.warnings.append(run.ended_early)
             _report_what_there_is(run, directory, clock)
             raise
     report = make_report(run, clock)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Generator, Iterator
+from collections.abc import Callable, Generator, Iterator
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -22,7 +22,7 @@ from rbfem.planning.models import models_of
 from rbfem.planning.pilot import error_scale
 from rbfem.planning.plan import Plan
 from rbfem.planning.system import build_system, starting_state
-from rbfem.planning.timeline import Stop, nearness, steps_between, stops
+from rbfem.planning.timeline import Stop, nearness, steps_between, stops, with_looks
 from rbfem.scene.scene import Scene
 from rbfem.simulation.expectations import ExpectationResult, check_expectation
 from rbfem.simulation.frame import Frame
@@ -43,6 +43,8 @@ LEAST_REFINEMENT, LARGEST_REFINEMENT, BLOWN_UP_REFINEMENT = 1.2, 8.0, 2.0
 ROUNDING_SHARE = 0.3
 PATIENCE = 1.0  # s of interpreted steps, as long as it takes to start the compiler's library
 EPS = 2.3e-16
+FINEST_TOLERANCE = 1e-15  # of an adaptive method: below, it only chases roundings
+LEAST_STOPS, STEPS_BETWEEN = 8, 16  # so often at least the error is looked at, if that many steps lie between
 
 Array = NDArray[np.float64]
 Models = NDArray[np.int64]
@@ -58,7 +60,7 @@ class _Knob:
     def finer(self, factor: float, order: float) -> _Knob:
         """The steps divided by a factor, or the tolerance by what the error then falls."""
         if self.tolerance is not None:
-            return replace(self, tolerance=self.tolerance / factor**order)
+            return replace(self, tolerance=max(FINEST_TOLERANCE, self.tolerance / factor**order))
         return replace(self, step=self.step / factor)
 
 
@@ -98,6 +100,9 @@ class Run:
     first: Frame | None = None
     last: Frame | None = None
     largest_drift: dict[str, float] = field(default_factory=dict)
+    tell: Callable[[str], None] = lambda words: None
+    is_finest: bool = False
+    ended_early: str = ""
 
     def __iter__(self) -> Iterator[Frame]:
         if self.first is not None:
@@ -108,18 +113,27 @@ class Run:
         frame = self._look(frame_of(setting, start, 0))
         self._expect(frame)
         yield frame
-        knob, ends = _Knob(self.plan.step.value, self.plan.tolerance.value), stops(self.scene)
+        knob = _Knob(self.plan.step.value, self.plan.tolerance.value)
+        ends = stops(self.scene)
+        if self._may_redo:
+            ends = with_looks(ends, knob.step, LEAST_STOPS, STEPS_BETWEEN)
         course = _Course(ends, np.zeros(len(ends)))
         while True:
             finer = yield from self._attempt(setting, models, start, knob, course)
             if finer == 1.0:
                 return
             knob = knob.finer(finer, self.error.order)
+            self.is_finest = knob.tolerance == FINEST_TOLERANCE
+            self.tell(
+                f"begun again, {finer:.3g} times finer: the error would come to more than {self.scene.accuracy:g}"
+            )
             self.error = MotionError(self.error.order, before=self.error.before, redone=self.error.redone + 1)
 
     @property
     def unmet(self) -> str:
         """Why the accuracy was not reached although the step was left to the program; empty where it was."""
+        if self.ended_early:
+            return self.ended_early
         if not self.plan.redo or not self.plan.verify.value:
             return ""
         if self.error.estimated is None:
@@ -231,16 +245,16 @@ class Run:
         """Take the difference from the companion and the rounding so far into the error."""
         radius = self.scene.bounding_radius
         fastest = float(np.linalg.norm(frame.angular_velocity, axis=1).max(initial=0.0))
-        gone = fastest * frame.time + float((np.abs(frame.position) / radius[:, None]).max())
+        farthest = float((np.abs(frame.position) / radius[:, None]).max())
+        gone = fastest * frame.time + farthest
         walk = math.sqrt(self._plain_sums(fastest, state.evaluations, frame.index))
-        rounding = EPS * (8.0 + 2.0 * gone + (4.0 + 0.6 * gone) * walk)
-        self.error.rounding = max(self.error.rounding, rounding)
+        rounding = EPS * (8.0 + 2.0 * gone + (4.0 + 0.6 * gone) * walk + farthest * math.sqrt(state.evaluations))
+        self.error.rounding = max(self.error.rounding, rounding * self.error.magnified(frame.time))
         if companion is not None:
             other = frame_of(setting, companion, frame.index)
             apart = np.linalg.norm(frame.position - other.position, axis=1) / radius
             angle = quaternion.angle_between(frame.quaternion, other.quaternion)
-            self.error.position = max(self.error.position, float(apart.max()))
-            self.error.attitude = max(self.error.attitude, float(angle[models > TRANSLATING].max(initial=0.0)))
+            self.error.note(frame.time, float(apart.max()), float(angle[models > TRANSLATING].max(initial=0.0)))
         if companion is not None or not self.error.order:
             self.error.unknown_because = ""
 
@@ -255,7 +269,7 @@ class Run:
 
     @property
     def _may_redo(self) -> bool:
-        return self.plan.redo and self.error.redone < MOST_REDOS
+        return self.plan.redo and self.error.redone < MOST_REDOS and not self.is_finest
 
     def _refinement(self, stop: Stop, k: int, course: _Course) -> float:
         """How many times finer the run must begin again, by its error so far; 1 where it may go on."""
