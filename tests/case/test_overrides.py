@@ -70,11 +70,11 @@ def test_what_is_within_an_overridden_value_comes_from_the_override(read):
 @pytest.mark.parametrize(
     ("override", "message"),
     [
-        ("time.end=-1", "time.end: expected a positive time in s, read -1"),
-        ("time.ende=1", "time.ende: unknown key 'ende'; did you mean 'end'?"),
+        ("time.end=-1", "expected a positive time in s, read -1"),
+        ("time.ende=1", "unknown key 'ende'; did you mean 'end'?"),
         ("tim.end=1", "tim: unknown key 'tim'; did you mean 'time'?"),
         ("bodies.nutt.fixed=true", "no body 'nutt'; did you mean 'nut'?"),
-        ("bodies.nut.shape=bal", "bodies.nut.shape: no shape 'bal'; did you mean 'ball'?"),
+        ("bodies.nut.shape=bal", "no shape 'bal'; did you mean 'ball'?"),
         ("bodies.nut.loads.2.force=[0,0,1]", "bodies.nut.loads has 2 items, counted from 0, and no item '2'"),
         ("bodies.nut.loads.x=[0,0,1]", "bodies.nut.loads has 2 items, counted from 0, and no item 'x'"),
         ("time.end.x=1", "time.end is 2, which holds no 'x'; set time.end as a whole"),
@@ -83,11 +83,11 @@ def test_what_is_within_an_overridden_value_comes_from_the_override(read):
         ("time..end=3", "expected KEY=VALUE such as time.end=2, read 'time..end=3'"),
         ("gravity=[0", "not YAML: while parsing a flow sequence"),
         ("time={end: 1, end: 2}", "time.end: the key is given twice, first at --set time={end: 1, end: 2}"),
-        ("bodies=3", "bodies: expected a list, read 3"),
-        ("bodies=", "bodies: expected a list, read nothing"),
+        ("bodies=3", "expected a list, read 3"),
+        ("bodies=", "expected a list, read nothing"),
     ],
 )
-def test_a_mistake_is_told_with_the_override_instead_of_a_line(read, override, message):
+def test_a_mistake_is_told_with_the_override_instead_of_a_line_and_names_the_key_once(read, override, message):
     assert refusal(read, override).startswith(f"--set {override}: {message}")
 
 

@@ -60,6 +60,8 @@ def test_what_a_person_writes_becomes_si(text, dimension, value):
         ("5 mmm", "expected a length in m, read '5 mmm': unknown unit 'mmm'; did you mean 'mm'?"),
         ("5 kg^2", "expected a length in m, read '5 kg^2', which is in g^2"),
         ("5 m+m", "expected a length in m, read '5 m+m': 'm+m' is not a unit"),
+        ("5 m2", "expected a length in m, read '5 m2': 'm2' is not a unit; did you mean 'm^2'?"),
+        ("8.5 g/cm3", "expected a length in m, read '8.5 g/cm3': 'g/cm3' is not a unit; did you mean 'g/cm^3'?"),
         ("5 m^", "expected a length in m, read '5 m^': 'm^' is not a unit"),
         ("five", "expected a length in m, read 'five'"),
         ("", "expected a length in m, read ''"),

@@ -74,8 +74,20 @@ def test_a_case_that_is_not_there_exits_with_2(command, tmp_path, capsys):
 def test_plan_tells_every_choice_and_runs_nothing(write_case, tmp_path):
     done = say("plan", write_case([SPRUNG, {"fixed": True}]))
     assert done.exit_code == 0
-    for word in ("2 bodies", "translating", "fixed", "contact", "rkn4", "pilot", "step limit", "backend", "left out"):
+    for word in (
+        "2 bodies",
+        "translating",
+        "fixed",
+        "contact",
+        "rkn4",
+        "pilot",
+        "step limit",
+        "backend",
+        "left out",
+        " kg in all; bounding radius 0.1 to 0.187 m",
+    ):
         assert word in done.output
+    assert "2 bodies, 10.19 kg in all; bounding radius 0.1 to 0.187 m" in done.output
     assert [path.name for path in tmp_path.iterdir()] == ["case.yaml"]
 
 
@@ -115,4 +127,5 @@ def test_view_without_results_exits_with_2(tmp_path, capsys):
     with pytest.raises(SystemExit) as ended:
         main(["view", str(tmp_path)])
     assert ended.value.code == 2
-    assert str(tmp_path) in capsys.readouterr().err
+    told = capsys.readouterr().err
+    assert str(tmp_path) in told and "drawing" not in told

@@ -62,6 +62,9 @@ def test_the_report_holds_all_that_the_design_promises(rbfem, write_case, tmp_pa
     for name, brought in (("energy", "work_done"), ("momentum", "impulse"), ("angular_momentum", "impulse")):
         assert report["invariants"][name].keys() >= {"initial", "final", brought, "largest_drift"}
     assert report["final"]["time"] == 0.1
+    (part,) = report["scene"]["parts"]
+    assert report["scene"]["mass"] == part["mass"] == pytest.approx(1000 * part["volume"])
+    assert (part["name"], part["bounding_radius"]) == ("ball", 0.1)
     body = report["final"]["bodies"]["weight"]
     assert {key: len(value) for key, value in body.items()} == {
         "position": 3,
@@ -83,6 +86,11 @@ def test_the_table_ends_where_the_report_does(rbfem, write_case, tmp_path):
     assert any(
         float(cell) == pytest.approx(report["final"]["bodies"]["weight"]["position"][0], rel=1e-9) for cell in last[1:]
     )
+
+
+def test_the_help_says_that_a_step_of_the_case_is_not_judged_by_the_accuracy(rbfem):
+    told = " ".join(rbfem("run", "--help").stdout.split())
+    assert "exit code 1" in told and "step that the case gives is not judged" in told
 
 
 def test_a_missed_expectation_exits_with_1_and_keeps_the_results(rbfem, write_case, tmp_path):

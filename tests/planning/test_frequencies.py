@@ -7,7 +7,9 @@ import pytest
 
 import rbfem
 from rbfem.errors import RunError
+from rbfem.motion.methods import METHODS
 from rbfem.planning import frequencies as room
+from rbfem.planning.frequencies import Frequencies, StepLimit, step_limit
 from rbfem.planning.models import choose_models
 from rbfem.planning.system import find_islands
 
@@ -178,6 +180,22 @@ def test_where_nothing_swings_or_spins_there_is_no_limit(scene_of):
     scene = scene_of({"velocity": [1, 2, 3], "loads": [{"force": [1, 2, 3]}]}, gravity=[0, 0, -9.81])
     assert fastest(scene).step_limit == np.inf
     assert rbfem.plan(scene).step_limit.value is None
+
+
+def test_the_limit_of_a_method_is_that_of_what_it_does_not_do_exactly():
+    spinning, damped = Frequencies(3.0, 0.0, 20.0), Frequencies(3.0, 4.0, 1.0)
+    assert step_limit(spinning, METHODS["rk4"]) == StepLimit(2 / 20, "2/spin")
+    assert step_limit(spinning, METHODS["rkn4"]) == StepLimit(2 / 3, "2/ω")
+    assert step_limit(damped, METHODS["rk4"]) == StepLimit(2 / 9, "2/(√(ω² + β²) + β)")
+    assert step_limit(damped, METHODS["kdk"]) == StepLimit(2 / 4, "2/β")
+    assert step_limit(Frequencies(0.0, 0.0, 20.0), METHODS["kdk"]).seconds == np.inf
+
+
+def test_the_limit_of_a_method_is_shorter_where_it_stands_less_than_two_and_never_longer():
+    swinging = Frequencies(4.0, 0.0, 0.0)
+    short = dataclasses.replace(METHODS["kdk"], oscillation_limit=1.0)
+    assert step_limit(swinging, short) == StepLimit(1 / 4, "1/ω")
+    assert {step_limit(swinging, row).seconds for row in METHODS.values()} == {2 / 4}
 
 
 def test_a_fixed_body_swings_with_nothing(scene_of):

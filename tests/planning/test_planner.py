@@ -2,6 +2,7 @@
 
 import dataclasses
 import json
+import re
 import subprocess
 import sys
 import time
@@ -24,7 +25,7 @@ COPIES = {"name": "rock", "place": {"in_box": [[0, 0, 0], [9, 9, 9]], "orientati
 def test_a_step_beyond_the_limit_is_refused_with_the_limit_in_the_message(scene_of):
     limit = rbfem.plan(scene_of(SPRUNG)).step_limit.value
     scene = scene_of(SPRUNG, time={"end": 1, "step": 1.001 * limit})
-    with pytest.raises(InputError, match=rf"time\.step: .*limit of this scene is {limit:.6g} s.*--beyond-limit"):
+    with pytest.raises(InputError, match=rf"time\.step: .*limit of this scene is {limit:.6g} s .*2/ω.*--beyond-limit"):
         rbfem.plan(scene)
     allowed = rbfem.plan(scene, beyond_limit=True)
     assert allowed.step.value == scene.step
@@ -38,9 +39,26 @@ def test_a_step_at_the_limit_is_taken_as_asked(scene_of):
     assert "asked for; 1 of the limit" in plan.step.reason
 
 
+@pytest.mark.parametrize(("share", "is_warned"), [(0.78, False), (0.82, True)])
+def test_a_given_step_close_to_its_limit_is_warned_of(scene_of, share, is_warned):
+    step = share * rbfem.plan(scene_of(SPRUNG)).step_limit.value
+    time, output = {"end": 10 * step, "step": step}, {"every": 10 * step}
+    warnings = rbfem.plan(scene_of(SPRUNG, time=time, output=output)).warnings
+    assert any("rbfem stability" in warning for warning in warnings) == is_warned
+    often = rbfem.plan(scene_of(SPRUNG, time=time, output={"every": step})).warnings
+    assert often == ()  # the outputs halve it
+
+
+def test_a_step_that_the_outputs_cut_is_told_with_what_they_leave(scene_of):
+    cut = rbfem.plan(scene_of(SPRUNG, time={"end": 1, "step": 0.02}, output={"every": 0.01}))
+    assert "the outputs cut it to 0.005 s" in cut.step.reason and "would be cheaper" in cut.step.reason
+    whole = rbfem.plan(scene_of(SPRUNG, time={"end": 1, "step": 0.02}, output={"every": 0.5}))
+    assert "cut" not in whole.step.reason
+
+
 @pytest.mark.parametrize("spin", [5.0, 5e3])
-def test_a_step_too_long_for_the_spin_is_refused_too(scene_of, spin):
-    with pytest.raises(InputError, match="limit"):
+def test_a_step_too_long_for_the_spin_is_refused_too_with_the_methods_that_stand_it(scene_of, spin):
+    with pytest.raises(InputError, match=r"limit of this scene .* with rk4 \(2/spin: .*turns bodies exactly .*rkn4"):
         rbfem.plan(scene_of({"angular_velocity": [0, 0, spin]}, time={"end": 1, "step": 2.1 / spin, "method": "rk4"}))
 
 
@@ -60,15 +78,19 @@ def test_a_smaller_accuracy_gets_a_shorter_step(scene_of):
 
 def test_the_pilot_takes_the_cheapest_of_what_it_tried_and_says_what_each_costs(scene_of):
     plan = rbfem.plan(scene_of(SPRUNG | {"angular_velocity": [1, 2, 3]}, accuracy=1e-9))
-    assert plan.method.value in plan.pilot.reason and "evaluations for 1e-09" in plan.pilot.reason
-    assert "cheapest of the pilot" in plan.method.reason
+    told = plan.method.reason.partition("expected evaluations of the loads in the run: ")[2]
+    costs = [re.fullmatch(r"(\w+) (?:more than )?(\d+)", one).groups() for one in told.split(", ")]
+    assert costs[0][0] == plan.method.value and len(costs) == 2
+    assert all(int(cost) >= int(costs[0][1]) > 0 for _, cost in costs)
 
 
 def test_a_spin_does_not_limit_a_method_that_turns_bodies_exactly(scene_of):
     top = {"pivot": [0, 0, 0], "position": [0.02, 0, 0], "angular_velocity": [150, 3, 0]}
     time = {"end": 1, "step": 0.02, "method": "rkn4"}
     plan = rbfem.plan(scene_of(top, gravity=[0, 0, -9.81], time=time))
-    assert plan.step.value == 0.02 > plan.step_limit.value and "does not limit it" in plan.step_limit.reason
+    assert 2 / 150 < plan.step.value == 0.02 < plan.step_limit.value and "does not limit it" in plan.step_limit.reason
+    by_auto = rbfem.plan(scene_of(top, gravity=[0, 0, -9.81], time={"end": 1, "step": 0.02}))
+    assert (by_auto.method.value, by_auto.step_limit) == ("rkn4", plan.step_limit)
     with pytest.raises(InputError, match="limit"):
         rbfem.plan(scene_of(top, gravity=[0, 0, -9.81], time=time | {"method": "rk4"}))
 
@@ -96,9 +118,9 @@ def test_dampers_rule_out_what_they_would_bring_down_to_order_two(scene_of):
 def test_a_fast_top_is_called_weakly_turned_and_gets_the_method_for_it(scene_of):
     top = {"pivot": [0, 0, 0], "position": [0.02, 0, 0], "angular_velocity": [150, 3, 0]}
     plan = rbfem.plan(scene_of(top, gravity=[0, 0, -9.81], accuracy=1e-8))
-    assert "weakly turned" in plan.method.reason and "aba864" in plan.pilot.reason
+    assert "weakly turned" in plan.method.reason and "aba864" in plan.method.reason
     slow = rbfem.plan(scene_of(top | {"angular_velocity": [5, 3, 0]}, gravity=[0, 0, -9.81], accuracy=1e-8))
-    assert "weakly turned" not in slow.method.reason and "aba864" not in slow.pilot.reason
+    assert "weakly turned" not in slow.method.reason and "aba864" not in slow.method.reason
 
 
 def test_many_swings_in_a_run_are_called_stiff_and_ramps_changing_with_time(scene_of):
@@ -110,7 +132,7 @@ def test_many_swings_in_a_run_are_called_stiff_and_ramps_changing_with_time(scen
 
 def test_an_adaptive_method_gets_a_tolerance_and_refuses_a_step(scene_of):
     plan = rbfem.plan(scene_of(SPRUNG, accuracy=1e-6, time={"end": 1, "method": "dop853"}))
-    assert 0.0 < plan.tolerance.value < 1e-3
+    assert 0.0 < plan.tolerance.value < 1e-3 and "at a hundred times the tolerance" in plan.verify.reason
     with pytest.raises(InputError, match=r"time\.step: method dop853 finds its own steps"):
         rbfem.plan(scene_of(SPRUNG, time={"end": 1, "method": "dop853", "step": 1e-3}))
 

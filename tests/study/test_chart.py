@@ -110,6 +110,9 @@ def test_the_drawing_tells_the_case_the_accuracy_and_the_choice(study):
     assert figure.texts[0].get_text() == study.title
     labels = [text.get_text() for legend in figure.legends for text in legend.get_texts()]
     assert {"rk4   4.0 (4)", "euler   1.0 (1)"} <= set(labels)
+    assert labels[-1].startswith("auto, with trial run and check")
+    asked = draw(replace(study, is_auto=False)).legends[-1].get_texts()[-1].get_text()
+    assert asked.startswith("as asked, with check")
 
 
 def test_the_page_has_every_run_and_no_address_from_outside(study):

@@ -133,3 +133,14 @@ def test_the_picture_has_a_bar_for_every_method_and_two_maps_for_each_that_is_sh
     bars, *panels = figure.axes
     assert [label.get_text() for label in bars.get_yticklabels()] == [one.method for one in study.limits]
     assert len(panels) == 2 * len(SHOWN)
+    told = "\n".join(text.get_text() for text in figure.texts)
+    assert "A reference body, not this case" in told
+
+
+def test_the_number_of_a_bar_stands_at_the_end_of_its_own_bar(study_of):
+    study = study_of(0.4)
+    empty = np.zeros((len(RATIOS), len(SWINGS_SHOWN)))
+    bars = draw(study, dict.fromkeys(SHOWN, (empty, empty))).axes[0]
+    place_of = {round(text.get_position()[1]): text.get_position()[0] for text in bars.texts}
+    ends = {place: one.step * study.rate for place, one in enumerate(study.limits) if one.step}
+    assert all(place_of[place] == pytest.approx(end, rel=0.15) for place, end in ends.items())

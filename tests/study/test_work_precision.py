@@ -58,6 +58,14 @@ def test_steps_go_from_beyond_stability_to_where_the_error_stops_falling(sprung)
     assert min(point.error for point in points[-2:]) >= 0.8 * min(point.error for point in points[:-2])
 
 
+def test_the_steps_of_a_chart_begin_at_the_limit_of_all_methods_whichever_the_plan_has_chosen(scene_of):
+    top = {"pivot": [0, 0, 0], "position": [0.02, 0, 0], "angular_velocity": [150, 0, 0]}
+    scene = scene_of(top, gravity=[0, 0, -9.81], time={"end": 1, "method": "rkn4"})
+    assert study_of._limit_of_all(scene).value == pytest.approx(2 / 150)
+    assert plan(scene).step_limit.value > 3 / 150
+    assert study_of._limit_of_all(scene_of({"velocity": [1, 0, 0]})).value is None
+
+
 def test_a_run_that_blows_up_is_a_point_with_an_infinite_error(scene_of):
     body = SPRUNG | {"loads": [{"spring": {"to": [0, 0, 0], "stiffness": 1e6}}]}
     points, _ = swept(scene_of(body, **COARSE_OUTPUT), "rk4")

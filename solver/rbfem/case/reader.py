@@ -13,7 +13,7 @@ from rbfem.case import document as yaml
 from rbfem.case.overrides import apply_override
 from rbfem.case.rules import findings
 from rbfem.case.schema import Case, Source
-from rbfem.case.wording import did_you_mean, shown
+from rbfem.case.wording import did_you_mean, located, shown
 from rbfem.errors import InputError
 
 CASE_FILE = "case.yaml"
@@ -85,7 +85,7 @@ def _checked(document: yaml.Document, file: str) -> Case:
 def _lines(document: yaml.Document) -> Iterable[str]:
     """The problems in the order of the file, each once."""
     for origin, path, message in dict.fromkeys(sorted(document.problems, key=lambda problem: problem[0])):
-        yield ": ".join(part for part in (origin.text, document.label(path), message) if part)
+        yield f"{located(origin.text, document.label(path))}: {message}"
 
 
 # ------------------------------------------------------------------------------- what pydantic found, in our words

@@ -14,6 +14,7 @@ from rbfem.case.quantity import Attitude, Quantity, Vector
 from rbfem.case.sections import ZERO, Box, Name, Point, Section, Text, Vec3, Vec4, each_once, not_empty
 from rbfem.case.shapes import Material, Shape
 from rbfem.case.units import ACCELERATION, ANGULAR_VELOCITY, NUMBER, TIME, VELOCITY
+from rbfem.case.wording import located
 from rbfem.errors import InputError
 
 BY_GROUP = "by-group"
@@ -151,7 +152,7 @@ class Case(Section):
 
     def error(self, key: str, message: str) -> InputError:
         """What to raise when the value at `key` turns out to be wrong."""
-        return InputError(f"{self.where(key)}: {key}: {message}")
+        return InputError(f"{located(self.where(key), key)}: {message}")
 
 
 def json_schema() -> dict[str, Any]:

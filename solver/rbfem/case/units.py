@@ -85,6 +85,7 @@ _PLAIN = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 _NUMBER = re.compile(rf"\s*({_PLAIN})(?:\s*/\s*({_PLAIN}))?\s*(\D.*)?", re.ASCII | re.DOTALL)
 # Names, small powers, * and / only: an expression such as 9**9**9 never reaches the unit parser.
 _UNIT = re.compile(r"(?:[A-Za-zµμ°][A-Za-zµμ°_0]*+(?:\^-?[1-9])?+|[*/()\s])++")
+_BARE_POWER = re.compile(r"([A-Za-zµμ°])(-?[1-9])(?![0-9])")
 _LONGEST = 80
 
 
@@ -154,7 +155,7 @@ def _in_base_units(unit: str) -> tuple[Decimal, Any]:
 
     text = unit.replace("²", "^2").replace("³", "^3").replace("·", "*").replace("**", "^")
     if not _UNIT.fullmatch(text):
-        raise ValueError(f": {shown(unit)} is not a unit")
+        raise ValueError(f": {shown(unit)} is not a unit{_with_powers(text)}")
     try:
         factor, base = _registry().get_base_units(_registry().parse_units(text))
     except pint.UndefinedUnitError as error:
@@ -163,6 +164,12 @@ def _in_base_units(unit: str) -> tuple[Decimal, Any]:
     except Exception:  # pint answers a malformed expression with whatever its parser trips over
         raise ValueError(f": {shown(unit)} is not a unit") from None
     return Decimal(factor), base
+
+
+def _with_powers(unit: str) -> str:
+    """A hint where the ^ of a power was left out."""
+    meant = _BARE_POWER.sub(r"\1^\2", unit)
+    return f"; did you mean '{meant}'?" if meant != unit and _UNIT.fullmatch(meant) else ""
 
 
 @cache

@@ -21,6 +21,15 @@ def shown(value: object) -> str:
     return text if len(text) <= LONGEST else text[: LONGEST - 1] + "…"
 
 
+def located(place: str, key: str) -> str:
+    """Where a mistake is and at which key; an override says its key itself.
+
+    >>> located("case.yaml:7", "time.end"), located("--set time.end=-1", "time.end")
+    ('case.yaml:7: time.end', '--set time.end=-1')
+    """
+    return place if not key or place.startswith(f"--set {key}=") else f"{place}: {key}"
+
+
 def _start_of(value: object) -> str:
     """`repr`, without spelling out what would be cut off anyway."""
     if isinstance(value, (list, tuple)):

@@ -15,7 +15,7 @@ from rbfem.cli.options import case_argument, output_option, set_option
 def command(case: Path, directory: Path | None, overrides: tuple[str, ...]) -> None:
     """Show error against cost of every method on CASE, a case.yaml or its folder, and the choice that `run` makes.
 
-    Writes chart.csv, chart.png, chart.svg and chart.html, a page to hover over. Takes about a minute.
+    Writes chart.csv, chart.png, chart.svg and chart.html, a page to hover over. Takes one to three minutes.
     """
     from rbfem.results.whole_file import require_writable
     from rbfem.scene.builder import load
@@ -30,9 +30,9 @@ def command(case: Path, directory: Path | None, overrides: tuple[str, ...]) -> N
     from rbfem.study.work_precision import measure
 
     _tell_of_compiling()
-    with progress_of("methods") as show:
+    with progress_of("parts") as show:
         study = measure(scene, show)
-    click.echo(f"Chart of {study.case}: the cheapest run of each method within {study.accuracy:g}")
+    click.echo(f"Chart of {study.case}: the run of each method with the fewest evaluations within {study.accuracy:g}")
     for line in _aligned([HEAD, *rows(study)]):
         click.echo(line)
     for label, text in notes(study):

@@ -20,9 +20,10 @@ def command(case: Path, overrides: tuple[str, ...], as_json: bool, beyond_limit:
     from rbfem.planning.planner import plan
     from rbfem.scene.builder import load
 
-    made = plan(load(case, overrides), beyond_limit)
+    scene = load(case, overrides)
+    made = plan(scene, beyond_limit)
     if as_json:
         click.echo(json.dumps(made.to_dict(), indent=2, ensure_ascii=False))
         return
-    for line in plan_lines(made):
+    for line in plan_lines(scene, made):
         click.echo(line)

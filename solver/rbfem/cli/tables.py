@@ -7,20 +7,23 @@ from pathlib import Path
 from typing import Any
 
 from rbfem.planning.plan import Choice, Plan
+from rbfem.scene.scene import Scene
 
 LABEL, WIDTH = 12, 110
 
 
-def plan_lines(plan: Plan) -> Iterator[str]:
-    """A plan, one choice a paragraph."""
-    yield f"Plan of {plan.case}: {plan.n_bodies} bod{'y' if plan.n_bodies == 1 else 'ies'}"
+def plan_lines(scene: Scene, plan: Plan) -> Iterator[str]:
+    """A plan, one choice a paragraph, below what shows a density or a length in the wrong unit."""
+    bodies = f"{plan.n_bodies} bod{'y' if plan.n_bodies == 1 else 'ies'}"
+    yield f"Plan of {plan.case}: {bodies}"
+    yield from paragraph("scene", f"{bodies}, {scene.mass.sum():.4g} kg in all; bounding radius {_radii(scene)}")
     for choice in plan.models:
         names = ", ".join(choice.names) + (", …" if choice.count > len(choice.names) else "")
         yield from paragraph(choice.model, f"{choice.count} ({names}): {choice.reason}")
     for label in ("contact", "method", "step", "step_limit", "backend", "output"):
         yield from paragraph(label.replace("_", " "), _in_words(getattr(plan, label)))
     if plan.pilot.value:
-        yield from paragraph("pilot", _in_words(plan.pilot))
+        yield from paragraph("pilot", f"{plan.pilot.value} evaluations: {plan.pilot.reason}")
     yield from paragraph("check", plan.verify.reason)
     yield from paragraph("accuracy", f"{plan.accuracy:g} accepted; what the check finds is held against it")
     yield from paragraph("left out", "; ".join(plan.left_out))
@@ -62,6 +65,11 @@ def paragraph(label: str, text: str) -> Iterator[str]:
     lines = textwrap.wrap(text, WIDTH - LABEL, break_long_words=False, break_on_hyphens=False) or [""]
     for index, line in enumerate(lines):
         yield f"  {label if index == 0 else '':<{LABEL}}{line}"
+
+
+def _radii(scene: Scene) -> str:
+    smallest, largest = (f"{radius:.3g}" for radius in (scene.bounding_radius.min(), scene.bounding_radius.max()))
+    return f"{smallest} m" if smallest == largest else f"{smallest} to {largest} m"
 
 
 def _verdict(error: dict[str, Any]) -> str:

@@ -16,8 +16,10 @@ def command(directory: Path, picture: Path | None, time: float | None) -> None:
 
     Without -o, the last frame with the paths that led there goes to DIR/NAME.png, and a film to DIR/NAME.gif.
     """
+    from rbfem.results.reading import find_series
     from rbfem.results.view import draw
 
+    find_series(directory)
     if picture is None or picture.suffix.lower() != ".png":
         click.echo("drawing; a film takes up to a minute …", err=True)
     for path in draw(directory, picture, time):

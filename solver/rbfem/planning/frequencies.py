@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from rbfem.motion import loads as kinds
 from rbfem.motion import quaternion
+from rbfem.motion.methods import Method
 from rbfem.motion.model import FIXED, TRANSLATING, Islands, Loads
 from rbfem.scene.scene import Scene
 
@@ -28,11 +29,43 @@ class Frequencies:
 
     @property
     def step_limit(self) -> float:
-        """Longest stable step: 2/(√(ω² + β²) + β), which is 2/ω_max without damping; and 2/spin. Infinite where
-        nothing moves so. With ζ = β/ω the first is 2 (√(1 + ζ²) - ζ)/ω: that of an explicit step with a dashpot."""
+        """Longest step that any method is held to: 2/(√(ω² + β²) + β), which is 2/ω_max without damping; and 2/spin.
+        Infinite where nothing moves so. With ζ = β/ω the first is 2 (√(1 + ζ²) - ζ)/ω: that of an explicit step with a
+        dashpot."""
         damped = np.hypot(self.oscillation, self.decay) + self.decay
         fastest = max(float(damped), self.spin)
         return 2.0 / fastest if fastest > 0.0 else np.inf
+
+
+@dataclass(frozen=True)
+class StepLimit:
+    """seconds: the longest step, infinite where nothing limits it; rule: what it comes from, such as 2/ω."""
+
+    seconds: float
+    rule: str
+
+
+def step_limit(fastest: Frequencies, method: Method) -> StepLimit:
+    """The longest step that a plan lets a method take.
+
+    2/(√(ω² + β²) + β), which is 2/ω without dampers, and 2/spin, whichever is shorter. A method that turns bodies
+    exactly is not limited by a spin, and its implicit dampers leave 2/max(ω, β). 2 becomes the method's own limit
+    where that is smaller; what grows at every step has none.
+
+    >>> from rbfem.motion.methods import METHODS
+    >>> fastest = Frequencies(oscillation=3.0, decay=4.0, spin=20.0)
+    >>> step_limit(fastest, METHODS["rk4"]), step_limit(fastest, METHODS["kdk"])
+    (StepLimit(seconds=0.1, rule='2/spin'), StepLimit(seconds=0.5, rule='2/β'))
+    """
+    omega, beta = fastest.oscillation, fastest.decay
+    reach = min(2.0, method.oscillation_limit or 2.0)
+    if method.turns_exactly:
+        rates = {f"{reach:g}/ω": omega / reach, "2/β": beta / 2.0}
+    else:
+        rule = f"{reach:g}/(√(ω² + β²) + β)" if beta else f"{reach:g}/ω"
+        rates = {rule: (float(np.hypot(omega, beta)) + beta) / reach, "2/spin": fastest.spin / 2.0}
+    rule = max(rates, key=lambda one: rates[one])
+    return StepLimit(1.0 / rates[rule] if rates[rule] else np.inf, rule)
 
 
 def frequencies(scene: Scene, models: NDArray[np.int64], islands: Islands) -> Frequencies:

@@ -101,12 +101,6 @@ class Finding:
     cost: float = math.inf
     spent: int = 0
 
-    @property
-    def words(self) -> str:
-        if self.cost < math.inf:
-            return f"{self.method} {self.cost:.3g}"
-        return f"{self.method} does not get there" if self.spent and math.isnan(self.step) else f"{self.method} more"
-
 
 @dataclass(frozen=True)
 class Settled:

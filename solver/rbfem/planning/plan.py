@@ -43,7 +43,7 @@ class Plan:
     method     : a row of `rbfem.motion.methods.METHODS`
     step       : s, the longest step; spans between stops are cut into equal steps no longer than this; None where the
                  method needs none
-    step_limit : s, 2/ω_max of the scene, or None where nothing swings, is damped or spins
+    step_limit : s, the longest step that the method is let take on this scene, or None where nothing limits it
     tolerance  : local error of an adaptive method, or None
     order      : by which the error falls with the step, as the pilot found it or the table states it; 0 without a step
     pilot      : evaluations that the choice has cost, and what it found; 0 where nothing had to be tried
@@ -53,7 +53,7 @@ class Plan:
     output     : what is written
     accuracy   : the error the user accepts
     left_out   : what the scene's owner might have expected and will not find
-    warnings   : what was repaired in the meshes and what may be wrong with them
+    warnings   : what was repaired in the meshes, what may be wrong with them, and a given step close to its limit
     """
 
     case: str

@@ -10,16 +10,16 @@ from numpy.typing import NDArray
 
 from rbfem.compute.loops import clear_of_numba, is_cached
 from rbfem.errors import InputError
-from rbfem.motion.methods import METHODS
+from rbfem.motion.methods import METHODS, Method
 from rbfem.motion.model import FIXED
 from rbfem.motion.state import kernel_of
 from rbfem.planning.applicable import applicable_methods, character, is_damped, is_weakly_turned, moved_by_loads
-from rbfem.planning.frequencies import Frequencies, frequencies
+from rbfem.planning.frequencies import Frequencies, StepLimit, frequencies, step_limit
 from rbfem.planning.models import choose_models, model_choices, pushed
-from rbfem.planning.pilot import Settled, Stretch, error_scale, order_of, run_pilot, sample
+from rbfem.planning.pilot import Finding, Settled, Stretch, error_scale, order_of, run_pilot, sample
 from rbfem.planning.plan import Choice, Plan
 from rbfem.planning.system import build_system, starting_state
-from rbfem.planning.timeline import n_frames, stops, total_steps
+from rbfem.planning.timeline import longest_step, n_frames, stops, total_steps
 from rbfem.scene.scene import Scene
 
 # What the pilot tries: the methods that came out best on charts of smooth motion, by loads and error accepted.
@@ -36,6 +36,8 @@ KERNEL_EVALUATION, KERNEL_STEP, KERNEL_FLIGHT = 200e-9, 60e-9, 400e-9
 NUMBA_START, COMPILATION, PARALLEL_START = 1.0, 15.0, 1.0
 BODIES_A_THREAD = 2000
 MOST_FRAMES, MOST_STEPS = 1e6, 1e13
+SAFE_SHARE = 0.8  # of the limit: a longer step that is given is warned of
+CUT_SHARE = 0.8  # of the step: a plan says so if the outputs leave less
 
 
 @dataclass(frozen=True)
@@ -84,6 +86,8 @@ def plan(scene: Scene, beyond_limit: bool = False) -> Plan:
         stepping = _by_given_step(scene, fastest, beyond_limit)
     else:
         stepping = _by_accuracy(scene, models, system, fastest)
+    method = str(stepping.method.value)
+    limit = step_limit(fastest, METHODS[method])
     return Plan(
         case=scene.name,
         n_bodies=scene.n_bodies,
@@ -91,17 +95,17 @@ def plan(scene: Scene, beyond_limit: bool = False) -> Plan:
         contact=Choice("none", "this version has no contact model: bodies pass through each other"),
         method=stepping.method,
         step=stepping.step,
-        step_limit=_step_limit(fastest, str(stepping.method.value)),
+        step_limit=_limit_choice(fastest, limit, method),
         tolerance=stepping.tolerance,
         order=stepping.order,
         pilot=stepping.pilot,
         verify=stepping.verify,
         redo=stepping.redo,
-        backend=_backend(scene, models, _work(scene, models, stepping), str(stepping.method.value)),
+        backend=_backend(scene, models, _work(scene, models, stepping), method),
         output=_output(scene),
         accuracy=scene.accuracy,
         left_out=_left_out(scene, models),
-        warnings=_mesh_warnings(scene),
+        warnings=(*_mesh_warnings(scene), *_step_warnings(scene, stepping, limit)),
     )
 
 
@@ -130,7 +134,7 @@ def _by_given_step(scene: Scene, fastest: Frequencies, beyond_limit: bool) -> _S
     row = METHODS[name]
     if row.is_adaptive:
         raise InputError(
-            f"{scene.where('time.step')}: time.step: method {name} finds its own steps from `accuracy`; leave the step "
+            f"{scene.where('time.step')}: method {name} finds its own steps from `accuracy`; leave the step "
             "out, or take dop853_fixed"
         )
     order = row.damped_order if damped else row.order
@@ -140,43 +144,65 @@ def _by_given_step(scene: Scene, fastest: Frequencies, beyond_limit: bool) -> _S
             "asked for" if scene.method else f"auto, for the step that is given: {character(scene, fastest)}",
             order,
         ),
-        step=_given_step(scene, fastest, beyond_limit),
+        step=_given_step(scene, fastest, name, beyond_limit),
         tolerance=Choice(None, "the steps are equal"),
         order=order,
         pilot=Choice(0, "the step is given: nothing was tried"),
-        verify=_check(),
+        verify=_check(row),
         redo=False,
     )
 
 
 def _by_accuracy(scene: Scene, models: NDArray[np.int64], system, fastest: Frequencies) -> _Stepping:
-    """The cheapest method and step for the accuracy, by a pilot."""
+    """A cheap method and its step for the accuracy, by a pilot."""
     names = (scene.method,) if scene.method else _candidates(scene, fastest)
     settled = _pilot(scene, models, system, fastest, names)
     best = settled.best
     row = METHODS[best.method]
     order = best.order if math.isfinite(best.order) else order_of(best.method, system)
-    found = ", ".join(finding.words for finding in settled.findings)
-    told = f"pilot over the first {settled.span:.3g} s; evaluations for {scene.accuracy:g}: {found}"
-    reason = "asked for" if scene.method else f"auto: {character(scene, fastest)}; the cheapest of the pilot"
+    found = ", ".join(_expected(finding, best) for finding in settled.findings)
+    reason = "asked for" if scene.method else f"auto: {character(scene, fastest)}"
     knob = best.step if math.isfinite(best.step) else scene.accuracy
-    step = Choice(
-        knob, f"auto: for an error of {scene.accuracy:g} over the whole run, by the pilot", "held against the check"
-    )
+    told, held = f"auto: for an error of {scene.accuracy:g} over the whole run, by the pilot", "held against the check"
     if row.is_adaptive:
-        first_step = min(0.1 * fastest.step_limit, scene.end_time)
-        tolerance, step = step, Choice(first_step, "the first that is tried; the method finds its own")
+        first_step = min(0.1 * step_limit(fastest, row).seconds, scene.end_time)
+        tolerance = Choice(knob, told, held)
+        step = Choice(first_step, "the first that is tried; the method finds its own")
     else:
         tolerance = Choice(None, "the steps are equal")
+        step = Choice(knob, told + _cut(scene, knob), held)
     return _Stepping(
-        method=_named(best.method, reason, order),
+        method=_named(best.method, f"{reason}; expected evaluations of the loads in the run: {found}", order),
         step=step,
         tolerance=tolerance,
         order=order,
-        pilot=Choice(settled.evaluations, told),
-        verify=_check(),
+        pilot=Choice(
+            settled.evaluations,
+            f"a short trial run, the first {settled.span:.3g} s by each candidate with ever shorter steps, told which "
+            "method and step the whole run needs",
+        ),
+        verify=_check(row),
         redo=True,
     )
+
+
+def _expected(finding: Finding, best: Finding) -> str:
+    """A method with the evaluations of the loads that a run by it would take, as far as the pilot went into it."""
+    if finding.cost < math.inf:
+        return f"{finding.method} {finding.cost:.0f}"
+    if finding is best or (finding.spent and math.isnan(finding.step)):
+        return f"{finding.method} does not get there"
+    return f"{finding.method} more than {best.cost:.0f}"
+
+
+def _cut(scene: Scene, step: float) -> str:
+    """What the stops of the run leave of a step, if that is clearly less."""
+    taken = longest_step(scene, step)
+    if taken >= CUT_SHARE * step:
+        return ""
+    has_others = len(stops(scene)) >= n_frames(scene)
+    what = "the outputs, ramps and times of `expect`" if has_others else "the outputs"
+    return f"; {what} cut it to {taken:.3g} s: fewer outputs (`output.every`) would be cheaper"
 
 
 def _candidates(scene: Scene, fastest: Frequencies) -> tuple[str, ...]:
@@ -219,8 +245,10 @@ def _n_moving(models: NDArray[np.int64]) -> int:
     return int(np.count_nonzero(models != FIXED))
 
 
-def _check() -> Choice:
-    return Choice(2, "a companion run at twice the step tells the error of this one", cost="half as much again")
+def _check(row: Method) -> Choice:
+    if row.is_adaptive:
+        return Choice(2, "a second run, at a hundred times the tolerance, tells the error of this one")
+    return Choice(2, "a second run, with steps twice as long, tells the error of this one", cost="half as much again")
 
 
 def _refuse_endless(key: str, count: float, most: float, what: str) -> None:
@@ -231,7 +259,7 @@ def _refuse_endless(key: str, count: float, most: float, what: str) -> None:
 
 
 def _check_method(scene: Scene) -> None:
-    where = f"{scene.where('time.method')}: time.method"
+    where = scene.where("time.method")
     if scene.method not in METHODS:
         near = difflib.get_close_matches(str(scene.method), METHODS, n=1)
         hint = f"; did you mean '{near[0]}'?" if near else ""
@@ -247,42 +275,42 @@ def _named(name: str, reason: str, order: float) -> Choice:
     return Choice(name, reason, f"order {order:.3g}{grows}", evaluations)
 
 
-def _step_limit(fastest: Frequencies, method: str) -> Choice:
-    limit = fastest.step_limit
-    parts = [
-        f"springs, weights and fields swing at up to {fastest.oscillation:.4g} rad/s" if fastest.oscillation else "",
-        f"dampers decay at up to {fastest.decay:.4g} 1/s" if fastest.decay else "",
-        f"bodies spin at up to {fastest.spin:.4g} rad/s" if fastest.spin else "",
-    ]
-    reason = ", ".join(part for part in parts if part) or "nothing swings, is damped or spins"
-    if np.isinf(limit):
-        return Choice(None, reason)
+def _limit_choice(fastest: Frequencies, limit: StepLimit, method: str) -> Choice:
+    parts = {
+        f"springs, weights and fields swing at up to ω = {fastest.oscillation:.4g} rad/s": fastest.oscillation,
+        f"dampers decay at up to β = {fastest.decay:.4g} 1/s": fastest.decay,
+        f"bodies spin at up to {fastest.spin:.4g} rad/s": fastest.spin,
+    }
+    reason = ", ".join(words for words, rate in parts.items() if rate) or "nothing swings, is damped or spins"
     if METHODS[method].turns_exactly and fastest.spin:
         reason += f"; {method} turns bodies exactly, a spin does not limit it"
-    return Choice(limit, f"2/(√(ω² + β²) + β) and 2/spin: {reason}")
+    return Choice(None, reason) if np.isinf(limit.seconds) else Choice(limit.seconds, f"{limit.rule}: {reason}")
 
 
-def _given_step(scene: Scene, fastest: Frequencies, beyond_limit: bool) -> Choice:
+def _given_step(scene: Scene, fastest: Frequencies, method: str, beyond_limit: bool) -> Choice:
     assert scene.step is not None
-    limit = fastest.step_limit
-    if scene.method and METHODS[scene.method].turns_exactly and fastest.oscillation:
-        limit = 2.0 / max(fastest.oscillation, fastest.decay)  # its rotor is exact: a spin does not limit it
+    limit = step_limit(fastest, METHODS[method])
     _refuse_endless("time.step", scene.end_time / scene.step, MOST_STEPS, "steps")
-    if scene.step > limit:
-        _refuse_beyond(scene, limit, beyond_limit)
-        return Choice(
-            scene.step, f"asked for, and beyond the limit of {limit:.6g} s on purpose", "may grow without bound"
-        )
-    return Choice(scene.step, f"asked for; {_share(scene.step, limit)}", "see error.parts.motion in the report")
+    if scene.step > limit.seconds:
+        _refuse_beyond(scene, _limit_choice(fastest, limit, method), method, beyond_limit)
+        told = f"asked for, and beyond the limit of {limit.seconds:.6g} s on purpose"
+        return Choice(scene.step, told + _cut(scene, scene.step), "may grow without bound")
+    told = f"asked for; {_share(scene.step, limit.seconds)}"
+    return Choice(scene.step, told + _cut(scene, scene.step), "see error.parts.motion in the report")
 
 
-def _refuse_beyond(scene: Scene, limit: float, beyond_limit: bool) -> None:
-    if not beyond_limit:
-        raise InputError(
-            f"{scene.where('time.step')}: time.step: {scene.step:.6g} s read, but the limit of this scene is "
-            f"{limit:.6g} s (2/ω_max; `rbfem plan --beyond-limit` says what swings, is damped or spins): a longer step "
-            "makes an oscillation grow. Use `step: auto`, or --beyond-limit to go on regardless"
-        )
+def _refuse_beyond(scene: Scene, limit: Choice, method: str, beyond_limit: bool) -> None:
+    if beyond_limit:
+        return
+    harm, advice = "makes an oscillation grow", ""
+    if limit.reason.startswith("2/spin"):
+        harm = "loses the turning of a body"
+        advice = ", a method that turns bodies exactly and is not limited by a spin (kdk, rkn4, rkn6, aba864)"
+    raise InputError(
+        f"{scene.where('time.step')}: {scene.step:.6g} s read, but the limit of this scene is "
+        f"{limit.value:.6g} s with {method} ({limit.reason}): a longer step {harm}. Use a shorter step or "
+        f"`step: auto`{advice}, or --beyond-limit to go on regardless"
+    )
 
 
 def _share(step: float, limit: float) -> str:
@@ -340,3 +368,15 @@ def _left_out(scene: Scene, models: NDArray[np.int64]) -> tuple[str, ...]:
 def _mesh_warnings(scene: Scene) -> tuple[str, ...]:
     meshes = [part.mesh for part in scene.parts if part.mesh is not None]
     return tuple(f"{mesh.source}: {said}" for mesh in meshes for said in (*mesh.repairs, *mesh.warnings))
+
+
+def _step_warnings(scene: Scene, stepping: _Stepping, limit: StepLimit) -> tuple[str, ...]:
+    if scene.step is None or stepping.step.value is None:
+        return ()
+    share = longest_step(scene, scene.step) / limit.seconds
+    if not SAFE_SHARE < share <= 1.0:
+        return ()
+    return (
+        f"the step that is given is {share:.3g} of its limit, which holds for small oscillations: other motion may be "
+        "unstable before; `rbfem stability CASE` finds out where",
+    )

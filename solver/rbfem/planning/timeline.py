@@ -88,6 +88,12 @@ def steps_between(start: float, end: float, step: float | None) -> int:
     return 1 if step is None else max(2, math.ceil((end - start) / step - NEAR))
 
 
+def longest_step(scene: Scene, step: float) -> float:
+    """The longest that is taken, s, where no step may be longer than `step`."""
+    times = [0.0, *(stop.time for stop in stops(scene))]
+    return max((b - a) / steps_between(a, b, step) for a, b in pairwise(times))
+
+
 def total_steps(scene: Scene, step: float | None) -> int:
     """Steps of the whole run."""
     times = [0.0, *(stop.time for stop in stops(scene))]

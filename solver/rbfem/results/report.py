@@ -11,6 +11,7 @@ import numpy as np
 
 from rbfem import __version__
 from rbfem.results.whole_file import write_text
+from rbfem.scene.scene import Scene
 from rbfem.simulation.expectations import ExpectationResult
 from rbfem.simulation.frame import Balance, Frame
 from rbfem.simulation.run import Run
@@ -42,6 +43,7 @@ def make_report(run: Run, clock: Clock) -> dict[str, Any]:
         "rbfem": __version__,
         "case": scene.name,
         "title": scene.title,
+        "scene": _scene(scene),
         "plan": run.plan.to_dict(),
         "error": _error(run),
         "cost": _cost(run, clock),
@@ -55,6 +57,13 @@ def make_report(run: Run, clock: Clock) -> dict[str, Any]:
 def write_report(report: dict[str, Any], directory: Path) -> None:
     """report.json, whole or not at all. Raises RunError."""
     write_text(directory / "report.json", json.dumps(report, indent=2, ensure_ascii=False, allow_nan=False) + "\n")
+
+
+def _scene(scene: Scene) -> dict[str, Any]:
+    """Masses and sizes, in which a wrong unit is seen."""
+    keys = ("name", "mass", "volume", "bounding_radius")
+    parts = [{key: getattr(part, key) for key in keys} for part in scene.parts]
+    return {"bodies": scene.n_bodies, "mass": float(scene.mass.sum()), "parts": parts}
 
 
 def _error(run: Run) -> dict[str, Any]:

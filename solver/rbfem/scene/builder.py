@@ -7,6 +7,7 @@ import numpy as np
 
 from rbfem.case.reader import read_case
 from rbfem.case.schema import Case
+from rbfem.case.wording import located
 from rbfem.fem.mass_properties import point_inertia
 from rbfem.fem.principal import principal_axes
 from rbfem.motion import quaternion
@@ -81,7 +82,7 @@ def build_scene(case: Case) -> Scene:
         accuracy=case.accuracy,
         step=None if case.time.step == "auto" else case.time.step,
         method=None if case.time.method == "auto" else case.time.method,
-        places={key: case.where(key) for key in ("time.step", "time.method")},
+        places={key: located(case.where(key), key) for key in ("time.step", "time.method")},
         expectations=_expectations(case, names),
         end_time=case.time.end,
         output_interval=case.output.every or case.time.end / FRAMES_BY_DEFAULT,

@@ -141,8 +141,8 @@ class Scene:
         return len(self.names)
 
     def where(self, key: str) -> str:
-        """`cases/x/case.yaml:12` of a key in `places`; the scene's name if it was not read from a file."""
-        return self.places.get(key, self.name)
+        """`cases/x/case.yaml:12: time.step` of a key in `places`; the scene's name if it was not read from a file."""
+        return self.places.get(key, f"{self.name}: {key}")
 
     @property
     def is_held(self) -> NDArray[np.bool_]:

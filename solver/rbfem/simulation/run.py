@@ -22,7 +22,7 @@ from rbfem.planning.models import models_of
 from rbfem.planning.pilot import error_scale
 from rbfem.planning.plan import Plan
 from rbfem.planning.system import build_system, starting_state
-from rbfem.planning.timeline import Stop, nearness, steps_between, stops, with_looks
+from rbfem.planning.timeline import Stop, nearness, steps_between, stops, total_steps, with_looks
 from rbfem.scene.scene import Scene
 from rbfem.simulation.expectations import ExpectationResult, check_expectation
 from rbfem.simulation.frame import Frame
@@ -38,6 +38,7 @@ LARGEST = 1e50  # a state beyond has blown up; below, its energies and their squ
 # How a run is done again: how often at most; from how many times the accuracy on an error foretold is an alarm, by what
 # power of time at most it is taken to grow, and after what share of the run that power is looked for; how much finer it
 # gets at once; and the share of the accuracy that may be rounding.
+MOST_TIMES = 50.0  # of what was planned: where more has not helped, errors grow faster than steps can follow
 MOST_REDOS, ALARM, LARGEST_GROWTH, LOOK_AHEAD = 8, 3.0, 6.0, 1 / 8
 LEAST_REFINEMENT, LARGEST_REFINEMENT, BLOWN_UP_REFINEMENT = 1.2, 8.0, 2.0
 ROUNDING_SHARE = 0.3
@@ -102,6 +103,7 @@ class Run:
     largest_drift: dict[str, float] = field(default_factory=dict)
     tell: Callable[[str], None] = lambda words: None
     is_finest: bool = False
+    planned: float = math.inf
     ended_early: str = ""
 
     def __iter__(self) -> Iterator[Frame]:
@@ -269,7 +271,12 @@ class Run:
 
     @property
     def _may_redo(self) -> bool:
-        return self.plan.redo and self.error.redone < MOST_REDOS and not self.is_finest
+        return (
+            self.plan.redo
+            and self.error.redone < MOST_REDOS
+            and not self.is_finest
+            and self.cost.evaluations < MOST_TIMES * self.planned
+        )
 
     def _refinement(self, stop: Stop, k: int, course: _Course) -> float:
         """How many times finer the run must begin again, by its error so far; 1 where it may go on."""
@@ -375,4 +382,5 @@ def simulate(scene: Scene, plan: Plan) -> Run:
     error = MotionError(plan.order)
     if plan.order and not plan.verify.value:
         error.unknown_because = "the plan asks for no companion run"
-    return Run(scene, plan, error)
+    planned = METHODS[str(plan.method.value)].evaluations * total_steps(scene, plan.step.value)
+    return Run(scene, plan, error, planned=math.inf if plan.tolerance.value else float(planned))

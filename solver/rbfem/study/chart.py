@@ -42,6 +42,7 @@ STYLE: Any = {
 }
 ABOVE_FLOOR = 3.0  # times the floor: below, an error is mostly the reference's own
 HIGHEST = 10.0  # errors are drawn up to here; what is worse lies on the edge
+STAR: Any = {"marker": "*", "color": "#FFD21F", "markeredgecolor": INK, "markeredgewidth": 1.1}
 UNSTABLE_DECADES = 2.0  # height of the strip for the unstable
 
 
@@ -192,14 +193,11 @@ def _draw_chosen(axes: Axes, study: WorkPrecision, cost: str) -> None:
     axes.plot(
         [x],
         [y],
-        marker="*",
         markersize=19,
-        color="#FFD21F",
-        markeredgecolor=INK,
-        markeredgewidth=1.1,
         linestyle="none",
         zorder=6,
         gid=run_id(len(study.points), cost),
+        **STAR,
     )
     is_far_right = axes.transAxes.inverted().transform(axes.transData.transform((x, y)))[0] > 0.7
     axes.annotate(
@@ -262,10 +260,18 @@ def _legend(figure: Figure, study: WorkPrecision) -> None:
         f"below {ABOVE_FLOOR:g} times the grey floor": {"marker": "o", "markerfacecolor": "white"},
         "unstable": {"marker": "x"},
         "best there is at its cost": {"marker": "", "linewidth": 7, "color": "#F3D55B", "alpha": 0.6, "linestyle": "-"},
+        _chosen_words(study): STAR | {"markersize": 14},
     }
     usual: dict[str, Any] = {"color": PALE, "linestyle": "none", "markersize": 6}
     samples = [Line2D([], [], **(usual | sign)) for sign in signs.values()]
     figure.legend(samples, list(signs), loc="lower left", bbox_to_anchor=(0.808, 0.085), handlelength=1.6, **look)
+
+
+def _chosen_words(study: WorkPrecision) -> str:
+    """What the star stands for: its cost has parts in it that no other point has."""
+    if study.is_auto:
+        return "auto, with trial run and check\n(the curves are without)"
+    return "as asked, with check\n(the curves are without)"
 
 
 def _limits(study: WorkPrecision) -> tuple[float, float]:

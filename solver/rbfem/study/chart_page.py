@@ -80,7 +80,7 @@ def page(study: WorkPrecision, drawing: str) -> str:
 {drawing[drawing.index("<svg") :]}
 <div id="told"></div>
 </figure>
-<p>The cheapest run of each method that keeps the accuracy of {study.accuracy:g}:</p>
+<p>The run of each method that keeps the accuracy of {study.accuracy:g} with the fewest evaluations:</p>
 <table class="summary">
 <tr>{head}</tr>
 {body}

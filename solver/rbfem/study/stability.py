@@ -15,7 +15,7 @@ from rbfem.motion.methods import METHODS
 from rbfem.motion.model import FIXED, TRANSLATING
 from rbfem.motion.state import State, System, move
 from rbfem.planning.applicable import applicable_methods
-from rbfem.planning.frequencies import Frequencies, frequencies
+from rbfem.planning.frequencies import Frequencies, frequencies, step_limit
 from rbfem.planning.models import choose_models
 from rbfem.planning.system import build_system, starting_state
 from rbfem.scene.scene import Scene
@@ -51,7 +51,7 @@ class Limit:
 class Stability:
     """The limits of all methods on a scene.
 
-    fastest  : what swings, decays and spins, and the limit that a plan keeps
+    fastest  : what swings, decays and spins
     limits   : by method, in the order of the table; none where nothing limits the step
     left_out : methods that were not tried, and why
     """
@@ -243,7 +243,11 @@ def notes(study: Stability) -> Iterator[str]:
         f"spins at up to {fastest.spin:.4g} rad/s": fastest.spin,
     }
     found = ", ".join(words for words, rate in parts.items() if rate)
-    yield f"the scene {found}; the step that a plan keeps below is {fastest.step_limit:.4g} s"
+    exact, others = (step_limit(fastest, METHODS[name]) for name in ("kdk", "rk4"))
+    yield (
+        f"the scene {found}; a plan keeps below {others.seconds:.4g} s ({others.rule}), and with methods that turn "
+        f"bodies exactly below {_words(exact.seconds, 1.0, '')[0]} ({exact.rule})"
+    )
     yield (
         f"stable means that a disturbance does not grow in {STEPS} steps; whether the motion is right is for the chart "
         "to say. The theory is that of the swing and its damping alone, without spin"

@@ -10,11 +10,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rbfem.motion.methods import METHODS
+from rbfem.planning.frequencies import step_limit
 from rbfem.results.whole_file import whole_file, write_text
 from rbfem.study.amplification import stable_step
 from rbfem.study.chart import INK
 from rbfem.study.chart import STYLE as CHART_STYLE
-from rbfem.study.stability import Stability, as_csv
+from rbfem.study.stability import Limit, Stability, as_csv
 from rbfem.study.stability_map import growth
 
 if TYPE_CHECKING:
@@ -29,7 +31,7 @@ RATIOS = np.linspace(0.0, 1.2, 21)  # ζ, and spin/ω_max
 MAP_STEPS = 700  # enough for a picture
 FASTEST = 1.0  # growth of the amplitude per step, ln, at which the colour ends
 
-LEGEND = "a sprung body: stable where it is blue, growing the faster the darker; dashed: theory without spin"
+LEGEND = "stable where it is blue, growing the faster the darker; dashed: theory without spin"
 STABLE, MEASURED, THEORY = "#DCE9F2", "#0072B2", "#D55E00"
 STYLE = {**CHART_STYLE, "font.size": 9}
 
@@ -70,7 +72,7 @@ def maps(swings: Array = SWINGS, ratios: Array = RATIOS) -> dict[str, tuple[Arra
 
 
 def draw(study: Stability, growths: dict[str, tuple[Array, Array]]) -> Figure:
-    """The limits on this scene at the left, and the maps of a sprung, damped, spinning body at the right."""
+    """The limits on this scene at the left, and the maps of the reference body of `growth` at the right."""
     from matplotlib import rc_context
     from matplotlib.figure import Figure
 
@@ -87,7 +89,8 @@ def draw(study: Stability, growths: dict[str, tuple[Array, Array]]) -> Figure:
 def draw_maps(figure: Figure, growths: dict, study: Stability | None, left: float) -> None:
     """Two rows of panels, over ζ and over the spin; the case, if there is one, as a line at its own ratio."""
     grid = figure.add_gridspec(2, len(growths), left=left, right=0.988, top=0.82, bottom=0.10, wspace=0.10, hspace=0.2)
-    case = "; dotted: this case" if study is not None else ""
+    apart, case = ("", "") if study is None else (", not this case", "; dotted: ζ and spin of this case")
+    figure.text(left, 0.945, f"A reference body{apart}: sprung, damped, spinning", fontsize=12, fontweight="bold")
     figure.text(left, 0.903, f"{LEGEND}{case}", color="#555555")
     labels = "damping ratio ζ, no spin", "spin / ω_max, undamped"
     for column, (method, pair) in enumerate(growths.items()):
@@ -119,24 +122,35 @@ def _draw_map(axes: Axes, grown: Array) -> None:
 
 
 def _draw_limits(axes: Axes, study: Stability) -> None:
-    """A bar for each method as long as its step, the theory as a tick, the step of a plan as a line."""
+    """A bar for each method as long as its step and with its number, the theory and the limit of a plan as ticks."""
     names = [limit.method for limit in study.limits]
     unit, shortest = study.rate, study.fastest.step_limit / 20.0
     for place, limit in enumerate(study.limits):
         alpha = 0.85 if limit.is_limit else 0.4
         axes.barh(place, limit.step * unit, height=0.55, color=MEASURED, alpha=alpha)
-        has_theory = 0.0 < limit.theory < np.inf
-        if has_theory:
+        if 0.0 < limit.theory < np.inf:
             axes.plot([limit.theory * unit] * 2, [place - 0.4, place + 0.4], color=THEORY, linewidth=2.5)
-        words = f"{limit.step * unit:.2f}" if limit.step else "stable at no step"
-        end = 1.08 * max(limit.step, shortest, limit.theory if has_theory else 0.0) * unit
-        axes.text(end, place, words if limit.is_limit else f"≥ {words}", va="center", fontsize=8)
-    axes.axvline(study.fastest.step_limit * unit, color=INK, linewidth=0.9, linestyle=":", zorder=0)
+        kept = step_limit(study.fastest, METHODS[limit.method]).seconds
+        if kept < np.inf:
+            axes.plot([kept * unit] * 2, [place - 0.5, place + 0.5], color=INK, linewidth=0.9, linestyle=":")
+        _label_bar(axes, place, limit, shortest * unit, unit)
     longest = max(max(limit.step, limit.theory if limit.theory < np.inf else 0.0) for limit in study.limits)
     axes.set(xscale="log", xlim=(shortest * unit, 4.0 * longest * unit), yticks=range(len(names)), yticklabels=names)
     rate = "ω_max" if study.fastest.oscillation else "fastest decay or spin"
-    axes.set_xlabel(f"dt times {rate}; orange: theory without spin; dotted: what a plan keeps below", fontsize=8)
+    axes.set_xlabel(f"dt times {rate}; orange: theory without spin; dotted: limit of a plan", fontsize=8)
     axes.xaxis.set_major_formatter(lambda value, place: f"{value:g}")
     axes.invert_yaxis()
     axes.tick_params(length=0, which="both")
     axes.spines[["top", "right"]].set_visible(False)
+
+
+def _label_bar(axes: Axes, place: int, limit: Limit, left: float, unit: float) -> None:
+    """The measured number at the end of its own bar: behind it, or inside where the tick of theory stands behind it."""
+    words = f"{limit.step * unit:.2f}" if limit.step else "stable at no step"
+    words = words if limit.is_limit else f"≥ {words}"
+    end, theory = max(limit.step * unit, left), limit.theory * unit
+    is_close = end <= theory < 3.0 * end
+    if is_close and end > 6.0 * left:
+        axes.text(end / 1.06, place, words, va="center", ha="right", fontsize=8, color="white")
+    else:
+        axes.text(1.08 * (theory if is_close else end), place, words, va="center", fontsize=8)

@@ -19,7 +19,7 @@ def by_cost(study: WorkPrecision) -> list[str]:
 
 
 def rows(study: WorkPrecision) -> Iterator[tuple[str, ...]]:
-    """For each method its cheapest run within the accuracy, under `HEAD`."""
+    """For each method its run with the fewest evaluations within the accuracy, under `HEAD`."""
     for method in by_cost(study):
         best = study.cheapest_within(method)
         orders = (order_words(study.order(method)), stated_words(study.orders[method]))
@@ -61,7 +61,13 @@ def notes(study: WorkPrecision) -> Iterator[tuple[str, str]]:
     yield (
         "auto" if study.is_auto else "as asked",
         f"{chosen.method}, step {step_words(chosen)} s: error {chosen.error:.2g}, {verdict} the {study.accuracy:g} "
-        f"accepted; {chosen.evaluations} evaluations and {chosen.seconds:.2g} s with pilot and check",
+        f"accepted; {chosen.evaluations} evaluations and {chosen.seconds:.2g} s with pilot and check, which "
+        "the table is without",
+    )
+    yield (
+        "signs",
+        "order here: by which the errors of this case fall with the step, – where too few runs show one; ≥: no run of "
+        "the method is within, this is its smallest error",
     )
     yield "reference", f"{study.reference}; other methods agree with it to {study.floor:.1g}"
     wild = [f"{method} ({_longest_stable(study, method)})" for method in study.methods if _is_unstable(study, method)]

@@ -1,6 +1,7 @@
 """Error against cost: every method that applies to a scene, over a range of steps, against a converged reference."""
 
 import itertools
+import math
 import multiprocessing
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor, as_completed
@@ -15,8 +16,11 @@ from rbfem.motion import quaternion
 from rbfem.motion.methods import METHODS, Method
 from rbfem.motion.state import kernel_of
 from rbfem.planning.applicable import applicable_methods, is_damped
+from rbfem.planning.frequencies import frequencies
+from rbfem.planning.models import choose_models
 from rbfem.planning.plan import Choice, Plan
 from rbfem.planning.planner import plan
+from rbfem.planning.system import find_islands
 from rbfem.planning.timeline import total_steps
 from rbfem.scene.scene import Scene
 from rbfem.simulation.frame import Frame
@@ -127,7 +131,11 @@ def measure(scene: Scene, show: Show = lambda done, total, what: None) -> WorkPr
     methods = [name for name, reason in reasons.items() if not reason]
     total = len(methods) + 2
     show(0, total, "reference")
-    made = replace(plan(scene, beyond_limit=True), backend=Choice("serial", "all points of a chart on one backend"))
+    made = replace(
+        plan(scene, beyond_limit=True),
+        backend=Choice("serial", "all points of a chart on one backend"),
+        step_limit=_limit_of_all(scene),
+    )
     bare = _bare(scene)
     reference = _reference(bare, made, methods)
     show(1, total, "plan")
@@ -153,6 +161,13 @@ def measure(scene: Scene, show: Show = lambda done, total, what: None) -> WorkPr
         floor=floor_of([points[name] for name in methods if name != reference.method.split()[0]]),
         left_out={name: reason for name, reason in reasons.items() if reason},
     )
+
+
+def _limit_of_all(scene: Scene) -> Choice:
+    """The longest step that any method stands, whichever the plan has chosen; what is swept starts beyond it."""
+    models = choose_models(scene)
+    limit = frequencies(scene, models, find_islands(scene, models)).step_limit
+    return Choice(limit if math.isfinite(limit) else None, "of the scene")
 
 
 def _bare(scene: Scene) -> Scene:
