@@ -34,8 +34,13 @@ shapes:
 
 materials:
   steel: {density: 7.85 g/cm^3}
-  stone: {density: 2650}
+  stone: {density: 2650, young: 50 GPa, poisson: 0.25}
   sponge: {density: {field: rho}}
+  glass: {density: 2500, young: 70 GPa, poisson: 0.2}
+
+contacts:                                 # without a rule bodies pass through each other
+  - {between: [glass, glass], law: hertz, restitution: 0.9, friction: 0.2}
+  - {between: [glass, sponge], law: linear, normal_stiffness: 1e4, restitution: 0.5, friction: 0.4}
 
 bodies:
   - {name: wall, shape: wall, material: stone, position: [0, 0, -1], fixed: true}

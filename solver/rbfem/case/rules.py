@@ -33,6 +33,8 @@ def findings(tree: Group) -> Iterator[Finding]:
     names = _BodyNames(tree)
     yield from names.given_twice()
     yield from _reserved_name(tree)
+    for index, rule_of_contact in _groups(tree.get("contacts")):
+        yield from ((("contacts", index, *path), message) for path, message in _contact(rule_of_contact, tree))
     for index, body in _groups(tree.get("bodies")):
         for rule in BODY_RULES:
             yield from ((("bodies", index, *path), message) for path, message in rule(body, tree))
@@ -102,6 +104,22 @@ def _copies(body: Group, tree: Group) -> Iterator[Finding]:
         yield ("count",), f"{_count(body)} copies need `place`, or all would start in one spot"
 
 
+def _plane(body: Group, tree: Group) -> Iterator[Finding]:
+    """A plane stands in the world by itself and has no mass."""
+    if not _is_plane(body, tree):
+        return
+    if not _is_given(body, "fixed"):
+        yield ("shape",), "a plane is a wall: write `fixed: true`"
+    for key in ("position", "quaternion", "place", "count", "pivot", "loads"):
+        if _is_given(body, key):
+            yield (key,), f"'{key}' does not go with a plane: its point and normal say where it is"
+
+
+def _is_plane(body: Group, tree: Group) -> bool:
+    shapes, name = _group(tree.get("shapes")), body.get("shape")
+    return isinstance(name, str) and "plane" in _group(shapes.get(name))
+
+
 def _one_attitude(body: Group, tree: Group) -> Iterator[Finding]:
     if _group(body.get("place")).get("orientation") == "random" and _is_given(body, "quaternion"):
         yield ("quaternion",), "'quaternion' does not go with a random orientation of 'place'"
@@ -120,9 +138,24 @@ BODY_RULES: tuple[Callable[[Group, Group], Iterator[Finding]], ...] = (
     _material_of_a_mesh,
     _exclusive_keys,
     _copies,
+    _plane,
     _one_attitude,
     _field_on_a_pivot,
 )
+
+
+def _contact(rule: Group, tree: Group) -> Iterator[Finding]:
+    materials = _group(tree.get("materials"))
+    between = rule.get("between")
+    for place, name in enumerate(between if isinstance(between, list) else []):
+        if isinstance(name, str) and name not in materials:
+            yield ("between", place), f"no material {shown(name)}{did_you_mean(name, materials)}"
+    is_linear = rule.get("law") == "linear"
+    if is_linear and rule.get("normal_stiffness") is None:
+        yield ("law",), "the linear law needs 'normal_stiffness'"
+    for key in ("normal_stiffness", "tangential_stiffness"):
+        if not is_linear and rule.get(key) is not None:
+            yield (key,), f"'{key}' goes with `law: linear`; hertz takes it from young and poisson of the materials"
 
 
 def _reserved_name(tree: Group) -> Iterator[Finding]:
@@ -138,7 +171,7 @@ class _BodyNames:
 
     def __init__(self, tree: Group) -> None:
         named = [(index, body) for index, body in _groups(tree.get("bodies")) if isinstance(body.get("name"), str)]
-        self.counts = {body["name"]: _count(body) for _, body in reversed(named)}
+        self.counts = {body["name"]: _count(body) for _, body in reversed(named) if not _is_plane(body, tree)}
         self._named = named
 
     def given_twice(self) -> Iterator[Finding]:

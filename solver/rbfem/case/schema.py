@@ -8,6 +8,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, Field, PrivateAttr, StrictBool, StrictInt
 
+from rbfem.case.contacts import ContactRule
 from rbfem.case.expectations import Expect
 from rbfem.case.loads import Load
 from rbfem.case.quantity import Attitude, Quantity, Vector
@@ -120,6 +121,9 @@ class Case(Section):
     )
     shapes: dict[Text, Shape] = Field(description="Shapes by name.")
     materials: dict[Text, Material] = Field(description="Materials by name.")
+    contacts: tuple[ContactRule, ...] = Field(
+        default=(), description="How materials meet: the first rule that fits a pair holds; without one they pass."
+    )
     bodies: Annotated[tuple[Body, ...], AfterValidator(not_empty)] = Field(description="The bodies, at least one.")
     gravity: Annotated[Vec3, Vector(ACCELERATION)] = Field(
         default=ZERO, description="Acceleration of everything that is free."

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from typing import Annotated, ClassVar
 
-from pydantic import AfterValidator, Discriminator, Field, Tag
+from pydantic import AfterValidator, Discriminator, Field, Tag, field_validator
 
 from rbfem.case.quantity import Quantity, Vector
-from rbfem.case.sections import PositiveLength, Section, Text, Vec3, group_or_value, kind_of, length_unit
-from rbfem.case.units import DENSITY, LENGTH
+from rbfem.case.sections import Point, PositiveLength, Section, Text, Vec3, group_or_value, kind_of, length_unit
+from rbfem.case.units import DENSITY, LENGTH, NUMBER, PRESSURE
+from rbfem.case.wording import shown
 
 
 class MeshShape(Section):
@@ -66,13 +67,33 @@ class EllipsoidShape(Section):
     ellipsoid: Ellipsoid = Field(description="Exact ellipsoid, no mesh needed.")
 
 
+class HalfSpace(Section):
+    point: Point = Field(description="A point of the plane, in the world.")
+    normal: Annotated[Vec3, Vector(NUMBER)] = Field(description="Direction into the free side; any length.")
+
+    @field_validator("normal")
+    @classmethod
+    def _has_length(cls, normal: Vec3) -> Vec3:
+        if not any(normal):
+            raise ValueError(f"expected a direction, read {shown(normal)}")
+        return normal
+
+
+class PlaneShape(Section):
+    """A plane wall without end; only a fixed body can have it."""
+
+    kind: ClassVar[str] = "plane"
+    plane: HalfSpace = Field(description="Plane wall, solid behind it.")
+
+
 Shape = Annotated[
     Annotated[MeshShape, Tag("<mesh>")]
     | Annotated[SphereShape, Tag("<sphere>")]
     | Annotated[BoxShape, Tag("<box>")]
     | Annotated[CylinderShape, Tag("<cylinder>")]
-    | Annotated[EllipsoidShape, Tag("<ellipsoid>")],
-    kind_of("mesh", "sphere", "box", "cylinder", "ellipsoid"),
+    | Annotated[EllipsoidShape, Tag("<ellipsoid>")]
+    | Annotated[PlaneShape, Tag("<plane>")],
+    kind_of("mesh", "sphere", "box", "cylinder", "ellipsoid", "plane"),
 ]
 
 
@@ -89,3 +110,9 @@ class Material(Section):
         Annotated[float, Quantity(DENSITY, above=0.0), Tag("<value>")] | Annotated[MeshField, Tag("<group>")],
         Discriminator(group_or_value),
     ] = Field(description="Density, or {field: NAME} for one that the mesh file holds.")
+    young: Annotated[float, Quantity(PRESSURE, above=0.0)] | None = Field(
+        default=None, description="Young's modulus; the law `hertz` needs it."
+    )
+    poisson: Annotated[float, Quantity(NUMBER, above=-1.0, below=0.5)] | None = Field(
+        default=None, description="Poisson's ratio; the law `hertz` needs it."
+    )

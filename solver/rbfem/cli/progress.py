@@ -10,8 +10,8 @@ from typing import Self
 import click
 
 from rbfem.compute.loops import is_cached
-from rbfem.motion.state import kernel_of
 from rbfem.planning.plan import Plan
+from rbfem.planning.touching import kernel_for
 from rbfem.scene.scene import Scene
 from rbfem.simulation.frame import Frame
 
@@ -28,7 +28,7 @@ class Progress:
 
     def __enter__(self) -> Self:
         backend = str(self._plan.backend.value)
-        if backend != "python" and not is_cached(kernel_of(str(self._plan.method.value)), backend):
+        if backend != "python" and not is_cached(kernel_for(self._scene, str(self._plan.method.value)), backend):
             click.echo("  compiling the kernels, the first time only …", err=True)
         if self._is_terminal:
             from rich.console import Console

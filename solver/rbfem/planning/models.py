@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from rbfem.contact.model import FRICTION, LAW, NONE
 from rbfem.motion import loads as kinds
 from rbfem.motion.model import FIXED, MODEL_NAMES, RIGID, SPHERICAL, TRANSLATING
 from rbfem.planning.plan import ModelChoice
@@ -24,7 +25,7 @@ NAMES_SHOWN = 5
 def choose_models(scene: Scene) -> NDArray[np.int64]:
     """(n,) motion model of each body."""
     spins = np.linalg.norm(scene.angular_velocity, axis=1) > 0.0
-    turns = spins | _can_be_turned(scene)
+    turns = spins | _can_be_turned(scene) | can_be_rubbed(scene)
     model = np.where(turns, np.where(_is_spherical(scene), SPHERICAL, RIGID), TRANSLATING)
     return np.where(scene.is_fixed, FIXED, model).astype(np.int64)
 
@@ -67,6 +68,13 @@ def models_of(choices: tuple[ModelChoice, ...], n_bodies: int) -> NDArray[np.int
 def pushed(scene: Scene) -> NDArray[np.bool_]:
     """(n,) bodies on which something acts besides gravity at their centre of mass."""
     return (scene.first_load[1:] > scene.first_load[:-1]) | scene.is_held
+
+
+def can_be_rubbed(scene: Scene) -> NDArray[np.bool_]:
+    """(n,) bodies that touch with friction."""
+    count = round(len(scene.laws) ** 0.5)
+    rubs = ((scene.laws[:, LAW] != NONE) & (scene.laws[:, FRICTION] > 0.0)).reshape(count, count).any(axis=1)
+    return scene.can_touch & rubs[scene.material]
 
 
 def _can_be_turned(scene: Scene) -> NDArray[np.bool_]:

@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rbfem.compute.loops import clear_of_numba, is_cached
+from rbfem.contact.model import LAW, LAW_NAMES, NONE
 from rbfem.errors import InputError
 from rbfem.motion.methods import METHODS, Method
 from rbfem.motion.model import FIXED
-from rbfem.motion.state import kernel_of
 from rbfem.planning.applicable import applicable_methods, character, is_damped, is_weakly_turned, moved_by_loads
 from rbfem.planning.frequencies import Frequencies, StepLimit, frequencies, step_limit
 from rbfem.planning.models import choose_models, model_choices, pushed
@@ -20,6 +20,7 @@ from rbfem.planning.pilot import Finding, Settled, Stretch, error_scale, order_o
 from rbfem.planning.plan import Choice, Plan
 from rbfem.planning.system import build_system, starting_state
 from rbfem.planning.timeline import longest_step, n_frames, stops, total_steps
+from rbfem.planning.touching import kernel_for, quickest, restitution_error, step_for
 from rbfem.scene.scene import Scene
 
 # What the pilot tries: the methods that came out best on charts of smooth motion, by loads and error accepted.
@@ -28,6 +29,7 @@ CANDIDATES = {"coarse": ("aba864", "rkn4", "kdk"), "fine": ("rkn6", "dop853_fixe
 WEAKLY_TURNED_CANDIDATES = {"coarse": ("aba864", "rkn4", "kdk"), "fine": ("rkn6", "aba864", "dop853_fixed")}
 DAMPED_CANDIDATES = {"coarse": ("dop853_fixed", "rk4"), "fine": ("dop853_fixed",)}
 STEP_GIVEN, DAMPED_STEP_GIVEN = "rkn4", "dop853_fixed"
+CONTACT_METHOD = "kdk"
 OVERDAMPED, STIFF_DECAY = 10.0, 1e4  # times the swing; and decay times the duration of the run
 
 # Seconds of an evaluation, a free flight and a start, for choosing the backend (docs/motion.md has the measurement).
@@ -80,7 +82,9 @@ def plan(scene: Scene, beyond_limit: bool = False) -> Plan:
     fastest = frequencies(scene, models, system.islands)
     if scene.method is not None:
         _check_method(scene)
-    if scene.method == "exact" or (scene.method is None and not moved_by_loads(scene)):
+    if scene.can_touch.any():
+        stepping = _in_contact(scene, fastest, beyond_limit)
+    elif scene.method == "exact" or (scene.method is None and not moved_by_loads(scene)):
         stepping = _in_one_piece(scene, fastest)
     elif scene.step is not None:
         stepping = _by_given_step(scene, fastest, beyond_limit)
@@ -88,14 +92,16 @@ def plan(scene: Scene, beyond_limit: bool = False) -> Plan:
         stepping = _by_accuracy(scene, models, system, fastest)
     method = str(stepping.method.value)
     limit = step_limit(fastest, METHODS[method])
+    in_contact = scene.can_touch.any()
+    stepping_limit = _contact_limit(scene, fastest) if in_contact else _limit_choice(fastest, limit, method)
     return Plan(
         case=scene.name,
         n_bodies=scene.n_bodies,
         models=model_choices(scene, models),
-        contact=Choice("none", "this version has no contact model: bodies pass through each other"),
+        contact=_contact(scene),
         method=stepping.method,
         step=stepping.step,
-        step_limit=_limit_choice(fastest, limit, method),
+        step_limit=stepping_limit,
         tolerance=stepping.tolerance,
         order=stepping.order,
         pilot=stepping.pilot,
@@ -125,6 +131,65 @@ def _in_one_piece(scene: Scene, fastest: Frequencies) -> _Stepping:
         pilot=Choice(0, "nothing had to be tried"),
         verify=Choice(0, "no step, so no error of a step: the rounding is predicted"),
         redo=False,
+    )
+
+
+def _in_contact(scene: Scene, fastest: Frequencies, beyond_limit: bool) -> _Stepping:
+    """Spheres that touch: equal steps of `kdk`, a share of the shortest contact."""
+    if scene.method not in (None, CONTACT_METHOD):
+        raise InputError(f"{scene.where('time.method')}: bodies in contact move by {CONTACT_METHOD}; leave it out")
+    contact, limit = quickest(scene), _contact_limit(scene, fastest)
+    if scene.step is None:
+        step = min(step_for(scene.accuracy, contact), 0.5 * limit.value)
+        reason = f"1/{contact.duration / step:.3g} of the shortest contact, {contact.duration:.3g} s"
+    else:
+        step = scene.step
+        if step > limit.value:
+            _refuse_beyond(scene, limit, CONTACT_METHOD, beyond_limit)
+        reason = f"asked for; 1/{contact.duration / step:.3g} of the shortest contact, {contact.duration:.3g} s"
+    error = restitution_error(step, contact)
+    return _Stepping(
+        method=Choice(
+            CONTACT_METHOD,
+            "bodies touch: a force with a kink leaves no more than order two to any method, and this one needs one "
+            "evaluation a step and keeps the energy of elastic contacts",
+            "order 2",
+            "one evaluation of the contacts a step",
+        ),
+        step=Choice(step, f"{reason}, {step / limit.value:.3g} of the limit", f"of the restitution: about {error:.2g}"),
+        tolerance=Choice(None, "the method has none"),
+        order=0.0,
+        pilot=Choice(0, "nothing had to be tried"),
+        verify=Choice(0, "where bodies touch, neighbouring motions part: a companion would tell nothing"),
+        redo=False,
+    )
+
+
+def _contact_limit(scene: Scene, fastest: Frequencies) -> Choice:
+    """The shorter of what the contacts and what the other bodies of the scene allow."""
+    contact, others = quickest(scene), step_limit(fastest, METHODS[CONTACT_METHOD])
+    if others.seconds < contact.limit:
+        return _limit_choice(fastest, others, CONTACT_METHOD)
+    return Choice(
+        contact.limit,
+        f"2/ω of a sphere between twelve others that move against it; contacts last {contact.duration:.3g} s at least, "
+        f"at the {contact.speed:.3g} m/s that are expected at most",
+    )
+
+
+def _contact(scene: Scene) -> Choice:
+    count = int(np.count_nonzero(scene.can_touch))
+    if not count:
+        return Choice("none", "no rule of `contacts` fits two materials of the scene: bodies pass through each other")
+    used = sorted({int(law) for law in scene.laws[:, LAW] if law != NONE})
+    laws = " and ".join(LAW_NAMES[law] for law in used)
+    walls = (
+        f" and {len(scene.walls.names)} plane{'s' if len(scene.walls.names) > 1 else ''}" if scene.walls.names else ""
+    )
+    return Choice(
+        laws,
+        f"{count} sphere{'s' if count > 1 else ''}{walls}; Coulomb friction; a contact does not pull, and its "
+        "damping is chosen so that the restitution is the one asked for all the same",
     )
 
 
@@ -320,6 +385,9 @@ def _share(step: float, limit: float) -> str:
 def _work(scene: Scene, models: NDArray[np.int64], stepping: _Stepping) -> Work:
     """What the run and its companion will compute."""
     row, moving = METHODS[str(stepping.method.value)], models != FIXED
+    if scene.can_touch.any():
+        spheres = np.count_nonzero(scene.can_touch)
+        return Work(0.0, float(total_steps(scene, stepping.step.value) * spheres), 0.0)
     n_pushed = int(np.count_nonzero(pushed(scene) & moving))
     n_coasting = int(np.count_nonzero(moving)) - n_pushed
     steps = float(total_steps(scene, stepping.step.value))
@@ -333,11 +401,11 @@ def _work(scene: Scene, models: NDArray[np.int64], stepping: _Stepping) -> Work:
 def _backend(scene: Scene, models: NDArray[np.int64], work: Work, method: str) -> Choice:
     seconds = {"python": work.seconds("python")}
     for kernel in ("serial", "parallel"):
-        compiled = is_cached(kernel_of(method), kernel)
+        compiled = is_cached(kernel_for(scene, method), kernel)
         start = (NUMBA_START if clear_of_numba() else 0.0) + (0.0 if compiled else COMPILATION)
         seconds[kernel] = start + work.seconds(kernel)
     candidates = ["python", "serial"]
-    if _n_moving(models) >= 2 * BODIES_A_THREAD and (os.cpu_count() or 1) > 1:
+    if _n_moving(models) >= 2 * BODIES_A_THREAD and (os.cpu_count() or 1) > 1 and not scene.can_touch.any():
         candidates.append("parallel")
     best = min(candidates, key=lambda name: seconds[name])
     told = ", ".join(f"{name} {seconds[name]:.2g} s" for name in candidates)
@@ -356,7 +424,10 @@ def _output(scene: Scene) -> Choice:
 
 
 def _left_out(scene: Scene, models: NDArray[np.int64]) -> tuple[str, ...]:
-    left = ["contact: bodies pass through each other", "elasticity: bodies are rigid"]
+    left = ["elasticity: bodies are rigid"]
+    if not scene.can_touch.all():
+        but = ", but for spheres whose materials meet" if scene.can_touch.any() else ""
+        left.insert(0, f"contact: bodies pass through each other{but}")
     if not any("drag" in kinds for kinds in scene.load_kinds):
         left.append("the air around: no drag was asked for")
     fixed = int(np.count_nonzero(models == FIXED))

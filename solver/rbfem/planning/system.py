@@ -53,8 +53,8 @@ def _start(position, attitude, velocity, angular_velocity, moments, to_part, off
 
 
 def find_islands(scene: Scene, models: NDArray[np.int64]) -> Islands:
-    """Moving bodies, those together that springs join, directly or through others."""
-    moving = np.flatnonzero(models != FIXED)
+    """Moving bodies that cannot touch, those together that springs join, directly or through others."""
+    moving = np.flatnonzero((models != FIXED) & ~scene.can_touch)
     alone = make_islands(moving, np.arange(len(moving) + 1), scene.loads, scene.first_load)
     if not (scene.loads.other >= 0).any():
         return alone

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from rbfem import __version__
+from rbfem.planning.touching import quickest, restitution_error
 from rbfem.results.whole_file import write_text
 from rbfem.scene.scene import Scene
 from rbfem.simulation.expectations import ExpectationResult
@@ -68,7 +69,7 @@ def _scene(scene: Scene) -> dict[str, Any]:
 
 def _error(run: Run) -> dict[str, Any]:
     motion = run.error
-    parts = {
+    parts: dict[str, dict[str, Any]] = {
         "motion": {
             "estimated": motion.estimated,
             "position_difference": motion.position,
@@ -83,14 +84,32 @@ def _error(run: Run) -> dict[str, Any]:
             "how": "rounding of the inertia tensor is predicted; the distance from mesh to part is not known from one "
             "mesh: `rbfem inertia --second` measures it",
         },
-        "contact": {"estimated": None, "how": "not modelled"},
+        "contact": _contact_part(run),
     }
+    in_contact = run.scene.can_touch.any()
     return {
         "asked": run.scene.accuracy,
-        "estimated": motion.estimated,
+        "estimated": parts["contact"]["estimated"] if in_contact else motion.estimated,
         "unmet": run.unmet,
-        "how": motion.how,
+        "how": parts["contact"]["how"] if in_contact else motion.how,
         "parts": parts,
+    }
+
+
+def _contact_part(run: Run) -> dict[str, Any]:
+    """What is promised where bodies touch: the restitution, and that the sum of energies closes."""
+    if not run.scene.can_touch.any():
+        return {"estimated": None, "how": "not modelled"}
+    assert run.last is not None
+    restitution = restitution_error(float(run.plan.step.value), quickest(run.scene))
+    exchanged = run.last.balance.damping + run.last.balance.friction + run.last.balance.kinetic
+    energy = run.largest_drift["energy"] / exchanged if exchanged > 0.0 else 0.0
+    return {
+        "estimated": max(restitution, energy),
+        "restitution": restitution,
+        "energy": energy,
+        "how": "the larger of the error of the restitution at this step, from measurements, and of how far the sum of "
+        "energies is from closing, as a share of what contacts took and what still moves",
     }
 
 

@@ -10,6 +10,7 @@ from rbfem.scene.scene import Scene
 from rbfem.simulation.frame import Frame
 
 ENERGIES = ("kinetic", "rotational", "gravity", "elastic", "work", "energy")
+LOSSES = ("damping", "friction")  # of contacts, in scenes that have any
 SUMS = ("momentum", "angular_momentum")
 STATE = {"position": "xyz", "quaternion": "wxyz", "velocity": "xyz", "angular_velocity": "xyz"}
 
@@ -22,20 +23,24 @@ def column_names(scene: Scene) -> list[str]:
 
     A vector takes a column a component: `momentum.x`, `nut.position.x`, `nut.quaternion.w`.
     """
-    names = ["time", *ENERGIES, *(f"{name}.{axis}" for name in SUMS for axis in "xyz")]
+    names = ["time", *_energies(scene), *(f"{name}.{axis}" for name in SUMS for axis in "xyz")]
     for body in scene.names if has_bodies(scene) else ():
         names += [f"{body}.{name}.{axis}" for name, axes in STATE.items() for axis in axes]
     return names
+
+
+def _energies(scene: Scene) -> tuple[str, ...]:
+    return ENERGIES + (LOSSES if scene.can_touch.any() else ())
 
 
 def has_bodies(scene: Scene) -> bool:
     return scene.n_bodies <= MOST_BODIES
 
 
-def row_values(frame: Frame, with_bodies: bool) -> Iterator[float]:
+def row_values(frame: Frame, energies: tuple[str, ...], with_bodies: bool) -> Iterator[float]:
     """The numbers of a frame in the order of `column_names`."""
     yield float(frame.time)
-    yield from (float(getattr(frame.balance, name)) for name in ENERGIES)
+    yield from (float(getattr(frame.balance, name)) for name in energies)
     for name in SUMS:
         yield from getattr(frame.balance, name).tolist()
     for i in range(len(frame.position)) if with_bodies else ():
@@ -48,11 +53,12 @@ class TableWriter:
 
     def __init__(self, scene: Scene, path: Path):
         self._with_bodies = has_bodies(scene)
+        self._energies = _energies(scene)
         self._file = GrowingFile(path, head=_line(column_names(scene)))
 
     def write(self, frame: Frame) -> None:
         """Add the row of a frame; the file follows as soon as that is cheap. Raises RunError."""
-        self._file.append(",".join(map(repr, row_values(frame, self._with_bodies))) + "\n")
+        self._file.append(",".join(map(repr, row_values(frame, self._energies, self._with_bodies))) + "\n")
 
     def close(self) -> None:
         """Bring the file up to its last row. Raises RunError."""

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rbfem.case.schema import BY_GROUP, Case
-from rbfem.case.shapes import BoxShape, CylinderShape, EllipsoidShape, Material, MeshShape, SphereShape
+from rbfem.case.shapes import BoxShape, CylinderShape, EllipsoidShape, Material, MeshShape, PlaneShape, SphereShape
 from rbfem.errors import InputError
 from rbfem.fem.density import Density, density_field, field_of_file, groups_of_tets
 from rbfem.fem.mass_properties import MassProperties, mass_properties
@@ -34,7 +34,7 @@ def build_part(case: Case, shape_name: str, material_name: str) -> Part:
 
 def _primitive_part(case: Case, shape_name: str, material_name: str) -> Part:
     shape = case.shapes[shape_name]
-    assert not isinstance(shape, MeshShape)
+    assert not isinstance(shape, MeshShape | PlaneShape)
     primitive = _primitive(shape)
     density = case.materials[material_name].density
     assert isinstance(density, float)  # the case has refused a field for a primitive

@@ -72,6 +72,15 @@ class Reference:
 
 
 @dataclass(frozen=True)
+class Walls:
+    """Plane walls. plane (w, 4): unit normal n into the free side, and d of n·x = d; material (w,) index."""
+
+    names: tuple[str, ...]
+    plane: NDArray[np.float64]
+    material: NDArray[np.int32]
+
+
+@dataclass(frozen=True)
 class Expectation:
     """A number known beforehand. body: index, or None for a total of the scene; name: of the quantity alone."""
 
@@ -100,6 +109,10 @@ class Scene:
     gravity          : (3,) m/s^2
     reference        : about which point and in which axes each body moves, see `Reference`
     loads            : everything else that pushes, see `rbfem.motion.loads`
+    walls            : planes that spheres can touch
+    laws             : (m², LAW_WIDTH) contact law of each pair of materials, see `rbfem.contact.model`
+    material         : (n,) index of each body's material; -1 if it has several
+    can_touch        : (n,) bodies whose material meets any material in the scene
     load_kinds       : n_bodies tuples of the kinds of load in words, for the plan
     accuracy         : the error the user accepts
     step, method     : what the user asked for, or None for "auto"
@@ -126,6 +139,10 @@ class Scene:
     reference: Reference
     loads: Loads
     first_load: NDArray[np.int64]
+    walls: Walls
+    laws: NDArray[np.float64]
+    material: NDArray[np.int64]
+    can_touch: NDArray[np.bool_]
     load_kinds: tuple[tuple[str, ...], ...]
     accuracy: float
     step: float | None

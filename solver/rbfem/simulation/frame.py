@@ -7,22 +7,42 @@ from numpy.typing import NDArray
 
 
 @dataclass(frozen=True)
+class ContactBalance:
+    """What contacts hold and have taken since the start, and what walls have brought in.
+
+    elastic           : J, in the springs of all contacts
+    damping, friction : J, taken since the start
+    impulse           : (3,) N s, of the walls on the bodies
+    angular_impulse   : (3,) N m s, of the walls and of the weight of the bodies that touch, about the world's origin
+    """
+
+    elastic: float
+    damping: float
+    friction: float
+    impulse: NDArray[np.float64]
+    angular_impulse: NDArray[np.float64]
+
+
+@dataclass(frozen=True)
 class Balance:
     """Energy and momentum of the whole scene at one time, and what its loads brought in since the start.
 
     kinetic, rotational : J, translation of the centres of mass and rotation about them
-    gravity, elastic    : J, potential of the uniform field and of the springs
+    gravity, elastic    : J, potential of the uniform field, and of the springs and contacts
+    damping, friction   : J, taken by contacts since the start
     work                : J, done since the start by every load that has no potential (forces, dampers, drag)
     momentum            : (3,) kg m/s, of the bodies that are free
     angular_momentum    : (3,) kg m^2/s, free bodies about the world's origin, held bodies about their pivot
     impulse             : (3,) N s, of external loads and gravity on the free bodies since the start
-    angular_impulse     : (3,) N m s, likewise
+    angular_impulse     : (3,) N m s, likewise, and of walls
     """
 
     kinetic: float
     rotational: float
     gravity: float
     elastic: float
+    damping: float
+    friction: float
     work: float
     momentum: NDArray[np.float64]
     angular_momentum: NDArray[np.float64]

@@ -13,13 +13,16 @@ from rbfem.motion.model import ANGULAR_IMPULSE, FIXED, IMPULSE, LEDGER_WIDTH, WO
 from rbfem.motion.rotation import cross, multiply, rotate
 from rbfem.motion.state import State, System
 from rbfem.scene.scene import Scene
-from rbfem.simulation.frame import Balance, Frame
+from rbfem.simulation.frame import Balance, ContactBalance, Frame
 
 Array = NDArray[np.float64]
 
 # Columns of what `look_at` returns: the first four for the reader, the others to be summed up over the bodies.
 POSITION, ATTITUDE, VELOCITY, ANGULAR_VELOCITY = slice(0, 3), slice(3, 7), slice(7, 10), slice(10, 13)
 TRANSLATION, ROTATION, WEIGHT, MOMENTUM, ANGULAR_MOMENTUM = 13, 14, 15, slice(16, 19), slice(19, 22)
+
+
+NO_CONTACTS = ContactBalance(0.0, 0.0, 0.0, np.zeros(3), np.zeros(3))
 
 
 @dataclass(frozen=True)
@@ -44,13 +47,14 @@ def setting_of(scene: Scene, system: System) -> Setting:
     mass = (bodies.inverse_mass > 0.0) * (1 - bodies.is_pushed) * bodies.mass
     falling = np.zeros((2, LEDGER_WIDTH))
     falling[0, IMPULSE : IMPULSE + 3] = mass.sum() * system.gravity
+    mass = mass * ~scene.can_touch  # the moment of those is summed up step by step
     falling[0, ANGULAR_IMPULSE : ANGULAR_IMPULSE + 3] = cross(*(mass @ scene.position).tolist(), *gravity)
     falling[1, ANGULAR_IMPULSE : ANGULAR_IMPULSE + 3] = cross(*(mass @ scene.velocity).tolist(), *gravity)
     springs = np.flatnonzero(system.loads.kind == kinds.SPRING)
     return Setting(scene, system, falling, springs, np.searchsorted(bodies.first_load, springs, side="right") - 1)
 
 
-def frame_of(setting: Setting, state: State, index: int) -> Frame:
+def frame_of(setting: Setting, state: State, index: int, contacts: ContactBalance = NO_CONTACTS) -> Frame:
     """The frame of a state."""
     scene, bodies, gravity = setting.scene, setting.system.bodies, setting.system.gravity.tolist()
     table = each_row(
@@ -58,7 +62,7 @@ def frame_of(setting: Setting, state: State, index: int) -> Frame:
         quaternion.normalize(state.quaternion), state.position, state.velocity, state.angular_momentum,
         bodies.inverse_moments, bodies.arm, scene.reference.quaternion, bodies.model, bodies.mass, bodies.inverse_mass,
     )  # fmt: skip
-    balance = _balance(setting, state, table)
+    balance = _balance(setting, state, table, contacts)
     return Frame(
         index=index,
         time=state.time,
@@ -105,19 +109,21 @@ def look_at(
     )  # fmt: skip
 
 
-def _balance(setting: Setting, state: State, table: Array) -> Balance:
+def _balance(setting: Setting, state: State, table: Array, contacts: ContactBalance) -> Balance:
     total, t = _sum_bodies(table), state.time
     ledger = _sum_bodies(state.ledger) + t * setting.falling[0] + 0.5 * t * t * setting.falling[1]
     return Balance(
         kinetic=float(total[TRANSLATION]),
         rotational=float(total[ROTATION]),
         gravity=float(total[WEIGHT]),
-        elastic=_elastic_energy(setting, state),
+        elastic=_elastic_energy(setting, state) + contacts.elastic,
+        damping=contacts.damping,
+        friction=contacts.friction,
         work=float(ledger[WORK]),
         momentum=total[MOMENTUM],
         angular_momentum=total[ANGULAR_MOMENTUM],
-        impulse=ledger[IMPULSE : IMPULSE + 3],
-        angular_impulse=ledger[ANGULAR_IMPULSE : ANGULAR_IMPULSE + 3],
+        impulse=ledger[IMPULSE : IMPULSE + 3] + contacts.impulse,
+        angular_impulse=ledger[ANGULAR_IMPULSE : ANGULAR_IMPULSE + 3] + contacts.angular_impulse,
     )
 
 

@@ -28,6 +28,7 @@ from rbfem.simulation.expectations import ExpectationResult, check_expectation
 from rbfem.simulation.frame import Frame
 from rbfem.simulation.frames import Setting, frame_of, setting_of
 from rbfem.simulation.motion_error import COMPANION_TOLERANCE, MotionError
+from rbfem.simulation.touching import Touching
 
 # Body-steps of one call of the stepper, so that the loop looks up often enough for Ctrl-C and the clock.
 BODY_STEPS_A_CALL = {"python": 3e3, "serial": 3e6, "parallel": 6e6}
@@ -112,6 +113,9 @@ class Run:
         models = models_of(self.plan.models, self.scene.n_bodies)
         system = build_system(self.scene, models)
         setting, start = setting_of(self.scene, system), starting_state(self.scene)
+        if self.scene.can_touch.any():
+            yield from self._in_contact(setting, start)
+            return
         frame = self._look(frame_of(setting, start, 0))
         self._expect(frame)
         yield frame
@@ -130,6 +134,29 @@ class Run:
                 f"begun again, {finer:.3g} times finer: the error would come to more than {self.scene.accuracy:g}"
             )
             self.error = MotionError(self.error.order, before=self.error.before, redone=self.error.redone + 1)
+
+    def _in_contact(self, setting: Setting, start: State) -> Iterator[Frame]:
+        """The frames of a scene whose spheres touch; the other bodies move by themselves."""
+        step, backend = float(self.plan.step.value), str(self.plan.backend.value)
+        touching = Touching(self.scene, start, backend)
+        state, index = start, 0
+        frame = frame_of(setting, state, index, touching.balance)
+        for stop in [None, *stops(self.scene)]:
+            if stop is not None:
+                began = time.perf_counter()
+                n_steps = steps_between(state.time, stop.time, step)
+                dt = (stop.time - state.time) / n_steps
+                touching.advance(state.time, dt, n_steps)
+                state = touching.placed_in(self._move(state, dt, n_steps, stop, setting.system))
+                self._check_state(state)
+                self.cost.body_steps += n_steps * len(touching.members)
+                self.cost.wall_seconds += time.perf_counter() - began
+                index += stop.is_output
+                frame = frame_of(setting, state, index, touching.balance)
+            self._look(frame)
+            self._expect(frame)
+            if stop is None or stop.is_output:
+                yield frame
 
     @property
     def unmet(self) -> str:
@@ -339,7 +366,7 @@ class Run:
         self.last = frame
         now, start = frame.balance, self.first.balance
         drifts = {
-            "energy": abs(now.energy - start.energy - now.work),
+            "energy": abs(now.energy - start.energy - now.work + now.damping + now.friction),
             "momentum": math.hypot(*(now.momentum - start.momentum - now.impulse)),
             "angular_momentum": math.hypot(*(now.angular_momentum - start.angular_momentum - now.angular_impulse)),
         }
@@ -380,7 +407,9 @@ def simulate(scene: Scene, plan: Plan) -> Run:
             f"the plan is for {plan.n_bodies} bodies and the scene has {scene.n_bodies}: make one with plan(scene)"
         )
     error = MotionError(plan.order)
-    if plan.order and not plan.verify.value:
+    if scene.can_touch.any():
+        error.unknown_because = "bodies touch, and neighbouring motions part: no code can promise a trajectory"
+    elif plan.order and not plan.verify.value:
         error.unknown_because = "the plan asks for no companion run"
     planned = METHODS[str(plan.method.value)].evaluations * total_steps(scene, plan.step.value)
     return Run(scene, plan, error, planned=math.inf if plan.tolerance.value else float(planned))

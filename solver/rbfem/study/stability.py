@@ -18,6 +18,7 @@ from rbfem.planning.applicable import applicable_methods
 from rbfem.planning.frequencies import Frequencies, frequencies, step_limit
 from rbfem.planning.models import choose_models
 from rbfem.planning.system import build_system, starting_state
+from rbfem.planning.touching import refuse_contact
 from rbfem.scene.scene import Scene
 from rbfem.simulation.frames import Setting, frame_of, setting_of
 from rbfem.study.amplification import stable_step
@@ -96,6 +97,7 @@ def measure(scene: Scene, show: Show = lambda done, total, what: None) -> Stabil
     unstable and then by halving the logarithm; a narrow band of growth with stable steps on both sides can be stepped
     over.
     """
+    refuse_contact(scene, "stability")
     models = choose_models(scene)
     system = build_system(scene, models)
     fastest = frequencies(scene, models, system.islands)

@@ -22,6 +22,7 @@ from rbfem.planning.plan import Choice, Plan
 from rbfem.planning.planner import plan
 from rbfem.planning.system import find_islands
 from rbfem.planning.timeline import total_steps
+from rbfem.planning.touching import refuse_contact
 from rbfem.scene.scene import Scene
 from rbfem.simulation.frame import Frame
 from rbfem.simulation.run import simulate
@@ -127,6 +128,7 @@ def measure(scene: Scene, show: Show = lambda done, total, what: None) -> WorkPr
     All runs, that of the plan too, use the serial kernels, so that their seconds can be compared.
     Raises InputError for what `plan` refuses, RunError if there is no reference.
     """
+    refuse_contact(scene, "chart")
     reasons = applicable_methods(scene)
     methods = [name for name, reason in reasons.items() if not reason]
     total = len(methods) + 2
