@@ -58,3 +58,17 @@ def test_a_step_beyond_the_limit_is_refused_and_one_below_is_taken(ball_on_floor
 def test_another_method_is_refused_where_bodies_touch(ball_on_floor):
     with pytest.raises(rbfem.InputError, match="bodies in contact move by kdk"):
         rbfem.plan(ball_on_floor(time={"end": 1, "method": "rkn4"}))
+
+
+def test_the_highest_sphere_falls_the_farthest(scene_of):
+    balls = [{"shape": "ball", "position": [0, 0, height]} for height in (1, 10)]
+    scene = scene_of(*balls, FLOOR, shapes=SHAPES, contacts=[LINEAR], gravity=[0, 0, -9.81])
+    assert quickest(scene).speed >= math.sqrt(2 * 9.81 * 9.9)
+
+
+def test_where_nothing_that_touches_moves_no_contact_is_planned(scene_of):
+    post = {"shape": "ball", "position": [0, 0, 0.1], "fixed": True}
+    flier = {"shape": "ball", "material": "rubber", "velocity": [1, 0, 0]}
+    rule = LINEAR | {"between": ["water", "water"]}
+    plan = rbfem.plan(scene_of(post, flier, FLOOR, shapes=SHAPES, contacts=[rule]))
+    assert plan.contact.value == "none"

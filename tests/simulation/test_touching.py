@@ -336,7 +336,7 @@ def energy_errors(touching_of, rule, steps_a_contact):
     return abs(energy(touching) - start) / (balance.damping + balance.friction)
 
 
-def test_the_sum_of_all_energies_closes_with_the_square_of_the_step(touching_of):
+def test_the_sum_of_all_energies_closes(touching_of):
     errors = [energy_errors(touching_of, linear(0.5, 0.5), steps) for steps in (20, 40, 80, 160)]
     assert errors[0] < 1e-3
 

@@ -74,7 +74,7 @@ def find_wall_forces(spheres, walls, laws, n_materials, dt, wrench, on_wall, los
         wx, wy, wz = rate[i, 3], rate[i, 4], rate[i, 5]
         normal, hx, hy, hz, damped, slipped = touch(
             nx, ny, nz, 0.0, -gap, rate[i, 0], rate[i, 1], rate[i, 2], arm * wx, arm * wy, arm * wz,
-            wx * nx + wy * ny + wz * nz, 1.0 / spheres.inertia[i, 0], place[i, 3], dt, row, laws, k,
+            0.5 * (wx * nx + wy * ny + wz * nz), 1.0 / spheres.inertia[i, 0], place[i, 3], dt, row, laws, k,
             walls.touches, walls.memory,
         )  # fmt: skip
         loss[BY_DAMPING] += damped

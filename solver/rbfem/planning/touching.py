@@ -20,7 +20,7 @@ HERTZ_DURATION = 2.943  # δ_max/v of an elastic impact by Hertz's law; K. L. Jo
 # Error of the restitution e at so many steps a contact, 2e-3 down to e = 0.5 and as (0.5/e)^1.4 below: measured,
 # docs/contact.md. It falls with the square of the step.
 STEPS, ERROR, HALF, STEEPER = 20.0, 2e-3, 0.5, 1.4
-STEEP = -0.1  # cosine between gravity and the normal of a wall, above which nothing falls onto it
+STEEP = 0.1  # cosine between a wall's normal and the vertical: onto steeper ones nothing falls
 FEWEST_STEPS, MOST_STEPS = 12.0, 200.0
 
 
@@ -92,19 +92,17 @@ def highest_speed(scene: Scene) -> float:
 
 
 def _height(scene: Scene) -> float:
-    """How deep a sphere can fall: to the lowest sphere, or to a wall that faces gravity."""
+    """How deep a sphere can fall: to the lowest sphere, or onto a wall that faces gravity."""
     gravity = float(np.linalg.norm(scene.gravity))
     if gravity == 0.0:
         return 0.0
-    down = scene.gravity / gravity
-    depth = scene.position[scene.can_touch] @ down
-    floors = [depth.max()]
+    down, position = scene.gravity / gravity, scene.position[scene.can_touch]
+    deepest = float(np.ptp(position @ down))
     for plane in scene.walls.plane:
-        if plane[:3] @ down < -0.1:
-            floors.append(
-                (plane[3] - (scene.position[scene.can_touch] @ plane[:3]).min()) / (plane[:3] @ down) + depth.min()
-            )
-    return float(max(floors) - depth.min())
+        facing = float(-plane[:3] @ down)
+        if facing > STEEP:
+            deepest = max(deepest, float((position @ plane[:3] - plane[3]).max()) / facing)
+    return deepest
 
 
 def refuse_contact(scene: Scene, what: str) -> None:

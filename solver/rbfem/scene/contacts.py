@@ -51,6 +51,7 @@ def build_contacts(case: Case, bodies: tuple[Body, ...]) -> Contacts:
                 laws[a * len(names) + b] = _law(case, *rule, first, second)
                 meets[a] = True
     can_touch = meets[material] & (material >= 0)
+    can_touch &= bool((can_touch & ~np.repeat([body.fixed for body in bodies], counts)).any())  # someone has to move
     for body in bodies:
         shape = case.shapes[body.shape]
         if body.material not in names or not meets[names.index(body.material)]:

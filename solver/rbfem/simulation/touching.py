@@ -37,6 +37,7 @@ Array = NDArray[np.float64]
 
 SKIN, WIDE_SKIN, FEW = 0.1, 1.0, 100  # of the smallest radius; the wide one up to so few spheres: lists cost more
 PAIRS_A_SPHERE = 6  # room in the first list; a list that is too short is made again, longer
+WIDER = 1.2
 CELLS_A_SPHERE = 4  # no more cells than this: an empty cell costs as much as a sphere
 
 
@@ -149,6 +150,8 @@ class Touching:
         low, high = place[:, :3].min(axis=0), place[:, :3].max(axis=0)
         extent = np.maximum(high - low, self.skin)
         width = max(2.0 * place[:, 3].max() + self.skin, (extent.prod() / (CELLS_A_SPHERE * n)) ** (1 / 3))
+        while np.maximum(1.0, extent / width).prod() > CELLS_A_SPHERE * n + 1.0:  # flat and long domains
+            width *= WIDER
         n_cells = np.maximum(1, np.floor(extent / width)).astype(np.int64)
         cell, order, start = np.empty(n, np.int64), np.empty(n, np.int64), np.empty(n_cells.prod() + 1, np.int64)
         loop(count_in_cells, self.backend)(place, low, n_cells / extent, n_cells, cell, start)
