@@ -58,6 +58,7 @@ def make_scene(n_corners=2, n_blocks=1, parts=None, fields=("velocity",), name="
         "part_of": np.repeat([0, 1], [n_corners, n_blocks]),
         "materials": ("brass", "oak & glue"),
         "output_fields": tuple(fields),
+        "can_touch": np.zeros(n, dtype=bool),
     }
     return Scene(**{field.name: facts.get(field.name) for field in dataclasses.fields(Scene)})
 
@@ -77,6 +78,6 @@ def make_frame(scene, index, interval=1 / 30, centre=(0.0, 0.0, 0.0)):
         angular_velocity=np.column_stack([zero, zero, rate]),
         kinetic_energy=2.0 + 0.5 * rate**2,
         balance=Balance(
-            1.0, 2.0, 3.0, 4.0, 0.1, np.array([1.0, 2, 3]), np.array([4.0, 5, 6]), np.zeros(3), np.zeros(3)
+            1.0, 2.0, 3.0, 4.0, 0.0, 0.0, 0.1, np.array([1.0, 2, 3]), np.array([4.0, 5, 6]), np.zeros(3), np.zeros(3)
         ),
     )

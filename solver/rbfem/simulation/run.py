@@ -39,7 +39,8 @@ LARGEST = 1e50  # a state beyond has blown up; below, its energies and their squ
 # How a run is done again: how often at most; from how many times the accuracy on an error foretold is an alarm, by what
 # power of time at most it is taken to grow, and after what share of the run that power is looked for; how much finer it
 # gets at once; and the share of the accuracy that may be rounding.
-MOST_TIMES = 50.0  # of what was planned: where more has not helped, errors grow faster than steps can follow
+MOST_TIMES, LEAST_PLANNED = 50.0, 2e4  # of what was planned, or of so many evaluations: where more has not helped,
+# errors grow faster than steps can follow
 MOST_REDOS, ALARM, LARGEST_GROWTH, LOOK_AHEAD = 8, 3.0, 6.0, 1 / 8
 LEAST_REFINEMENT, LARGEST_REFINEMENT, BLOWN_UP_REFINEMENT = 1.2, 8.0, 2.0
 ROUNDING_SHARE = 0.3
@@ -412,4 +413,5 @@ def simulate(scene: Scene, plan: Plan) -> Run:
     elif plan.order and not plan.verify.value:
         error.unknown_because = "the plan asks for no companion run"
     planned = METHODS[str(plan.method.value)].evaluations * total_steps(scene, plan.step.value)
-    return Run(scene, plan, error, planned=math.inf if plan.tolerance.value else float(planned))
+    most = math.inf if plan.tolerance.value else max(LEAST_PLANNED, float(planned))
+    return Run(scene, plan, error, planned=most)
