@@ -14,11 +14,10 @@ from rbfem.errors import InputError
 from rbfem.motion.state import kernel_of
 from rbfem.scene.scene import Scene
 
-NEIGHBOURS = 12  # of a sphere in the densest packing
 HERTZ_DURATION = 2.943  # δ_max/v of an elastic impact by Hertz's law; K. L. Johnson, Contact Mechanics, 1985, eq. 11.24
 
 # Error of the restitution e at so many steps a contact, 2e-3 down to e = 0.5 and as (0.5/e)^1.4 below: measured,
-# docs/contact.md. It falls with the square of the step.
+# docs/contact.md. It falls with the square of the step; with Hertz's law only down to 3e-4, and then with the step.
 STEPS, ERROR, HALF, STEEPER = 20.0, 2e-3, 0.5, 1.4
 STEEP = 0.1  # cosine between a wall's normal and the vertical: onto steeper ones nothing falls
 FEWEST_STEPS, MOST_STEPS = 12.0, 200.0

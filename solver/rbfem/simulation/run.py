@@ -39,11 +39,12 @@ LARGEST = 1e50  # a state beyond has blown up; below, its energies and their squ
 # How a run is done again: how often at most; from how many times the accuracy on an error foretold is an alarm, by what
 # power of time at most it is taken to grow, and after what share of the run that power is looked for; how much finer it
 # gets at once; and the share of the accuracy that may be rounding.
-MOST_TIMES, LEAST_PLANNED = 50.0, 2e4  # of what was planned, or of so many evaluations: where more has not helped,
-# errors grow faster than steps can follow
 MOST_REDOS, ALARM, LARGEST_GROWTH, LOOK_AHEAD = 8, 3.0, 6.0, 1 / 8
 LEAST_REFINEMENT, LARGEST_REFINEMENT, BLOWN_UP_REFINEMENT = 1.2, 8.0, 2.0
 ROUNDING_SHARE = 0.3
+# No attempt follows once so many times the evaluations planned are spent, or times that number if fewer were planned:
+# where that has not helped, errors grow faster than steps can follow.
+MOST_TIMES, LEAST_PLANNED = 50.0, 2e4
 PATIENCE = 1.0  # s of interpreted steps, as long as it takes to start the compiler's library
 EPS = 2.3e-16
 FINEST_TOLERANCE = 1e-15  # of an adaptive method: below, it only chases roundings
